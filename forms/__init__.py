@@ -1,0 +1,1 @@
+"""Variational forms: functions that take fields and return UFL integrands. Nothing is solved here."""

@@ -1,0 +1,68 @@
+"""Frictional contact with the rigid cylinder, in Nitsche's form.
+
+The contact conditions p >= 0, gap >= 0, p gap = 0 and |q| <= mu p with slip against q are equalities:
+
+    p = [ t_y(u) - gamma gap(u) ]_+
+    q = clip( t_x(u) - gamma (s(u) - s_anchor), -mu p, mu p )
+
+for any gamma > 0, with t(u) the traction of the displacement field and s = u_x - delta_x the
+displacement relative to the cylinder. Nitsche's method puts these right-hand sides into the weak form as
+surface tractions. ``s_anchor`` is where a point last came to rest; it is moved after each increment
+by ``rest_position`` (a return mapping), so that an increment without load changes nothing.
+"""
+
+import ufl
+
+
+def gap(u, profile, delta):
+    """Normal distance  f(x) + u_y - delta_y  between surface and cylinder; negative is overlap."""
+    return profile + u[1] - delta[1]
+
+
+def relative_displacement(u, delta):
+    """Tangential displacement  s = u_x - delta_x  of the surface relative to the cylinder."""
+    return u[0] - delta[0]
+
+
+def contact_pressure(traction, gap, gamma):
+    """p = [ t_y - gamma gap ]_+ ."""
+    trial = traction[1] - gamma * gap
+    return ufl.conditional(ufl.gt(trial, 0.0), trial, 0.0)
+
+
+def trial_traction(traction, s, anchor, gamma):
+    """The tangential traction of a point that does not slip:  t_x - gamma (s - s_anchor)."""
+    return traction[0] - gamma * (s - anchor)
+
+
+def coulomb(trial, pressure, mu, all_stick):
+    """Coulomb's projection  q = clip(trial, -mu p, mu p), (25), (26).
+
+    With ``all_stick`` = 1 every point in contact keeps its trial value: the predictor of a load increment.
+    """
+    limit = mu * pressure
+    sliding = ufl.conditional(ufl.gt(trial, 0.0), limit, -limit)
+    projected = ufl.conditional(ufl.gt(abs(trial), limit), sliding, trial)
+    stuck = ufl.conditional(ufl.gt(pressure, 0.0), trial, 0.0)
+    return ufl.conditional(ufl.gt(all_stick, 0.5), stuck, projected)
+
+
+def rest_position(traction, s, q, gamma):
+    """The anchor after an increment that ended with traction ``q``:  s - (t_x - q)/gamma.
+
+    Unchanged where the point stuck; where it slid, the position from which ``q`` is the trial value.
+    """
+    return s - (traction[0] - q) / gamma
+
+
+def work(contact_traction, v, direction):
+    """Integrand of the virtual work of one contact traction:  ∫ p v_y dx  or  ∫ q v_x dx."""
+    return contact_traction * v[direction]
+
+
+def consistency(traction, contact_traction, traction_test, theta, gamma):
+    """Integrand of Nitsche's  theta ∫ (t(u) - p) t(v) / gamma dx , which vanishes at the solution.
+
+    theta = 1 makes the frictionless form symmetric, 0 drops the term, -1 makes it skew.
+    """
+    return theta / gamma * (traction - contact_traction) * traction_test

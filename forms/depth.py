@@ -1,0 +1,51 @@
+"""The depth coordinate in which the graded half-plane is meshed and solved.
+
+Below a loaded surface of modulus ``y^k`` with ``k > 0`` the displacement behaves like ``y^(1-k)``: a
+finite traction is a vanishing modulus times an infinite strain. No polynomial in ``y`` follows
+that. In ``s = y^(1-k)`` the displacement is smooth, so for ``k > 0`` the mesh lives in ``(x, s)``.
+For ``k <= 0`` the displacement is smooth in ``y`` itself and ``s = y``.
+
+Everything else is written in physical gradients and volumes; this object is the only place that
+knows the difference.
+"""
+
+from dataclasses import dataclass
+
+import ufl
+
+
+@dataclass(frozen=True)
+class DepthMap:
+    """The map ``y(s) = s^m`` from mesh depth ``s`` to physical depth ``y`` (both dimensionless).
+
+    ``m = 1`` is the identity. Works on numbers, numpy arrays and UFL expressions alike.
+    """
+
+    m: float = 1.0
+
+    @classmethod
+    def regularising(cls, k: float) -> "DepthMap":
+        """The map that makes the displacement under a modulus ``y^k`` smooth: ``m = 1/(1-k)``, k > 0."""
+        return cls(1.0 / (1.0 - k)) if k > 0 else cls()
+
+    @property
+    def is_identity(self) -> bool:
+        return self.m == 1.0
+
+    def y(self, s):
+        """Physical depth at mesh depth ``s``."""
+        return s if self.is_identity else s**self.m
+
+    def s(self, y):
+        """Mesh depth at physical depth ``y``."""
+        return y if self.is_identity else y ** (1.0 / self.m)
+
+    def stretch(self, s):
+        """``dy/ds``, which is also the ratio of physical to mesh volume."""
+        return 1.0 if self.is_identity else self.m * s ** (self.m - 1.0)
+
+    def gradient(self, u, s):
+        """Physical gradient ``du_i/d(x, y)`` of a vector field ``u`` on the ``(x, s)`` mesh."""
+        if self.is_identity:
+            return ufl.grad(u)
+        return ufl.dot(ufl.grad(u), ufl.as_matrix([[1.0, 0.0], [0.0, 1.0 / self.stretch(s)]]))

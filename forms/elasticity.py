@@ -1,0 +1,38 @@
+"""Plane-strain linear elasticity of the graded half-plane."""
+
+import ufl
+
+from .depth import DepthMap
+
+
+def stress(modulus_times_gradient, nu: float):
+    """Plane-strain stress (2, 2) from ``E grad(u)``:  sigma = lambda tr(eps) I + 2 G eps.
+
+    Taking the product rather than the gradient lets the surface, where ``E`` alone has no finite
+    value, use the same law. Dimensionless; ``-1 < nu < 1/2``.
+    """
+    strain = ufl.sym(modulus_times_gradient)
+    shear = 1.0 / (2.0 * (1.0 + nu))
+    lame = nu / ((1.0 + nu) * (1.0 - 2.0 * nu))
+    return lame * ufl.tr(strain) * ufl.Identity(2) + 2.0 * shear * strain
+
+
+def virtual_work(u, v, modulus, nu: float, depth: DepthMap, s):
+    """Integrand of  ∫ sigma(u) : eps(v) dx dy  on the ``(x, s)`` mesh."""
+    stretch = depth.stretch(s)
+    young = modulus.young(depth.y(s))
+    return ufl.inner(
+        stress(young * depth.gradient(u, s), nu), ufl.sym(depth.gradient(v, s))
+    ) * stretch
+
+
+def surface_traction(u, modulus, nu: float, depth: DepthMap, h):
+    """Traction ``t = sigma n`` (2,) that the field ``u`` exerts on the surface cells of height ``h``.
+
+    The body lies below ``y = 0`` and the outward normal is ``(0, -1)``: ``t[0]`` is the tangential
+    traction along +x, ``t[1]`` the pressure into the body.
+    """
+    along, into = modulus.surface_moduli(h, depth)
+    weights = ufl.as_matrix([[along, 0.0], [0.0, into]])
+    sigma = stress(ufl.dot(ufl.grad(u), weights), nu)
+    return ufl.as_vector([-sigma[0, 1], -sigma[1, 1]])

@@ -1,0 +1,131 @@
+"""What every command shares: reading its command line under MPI, and ending well.
+
+Rank 0 alone reads, checks and speaks. Wrong input ends every rank with exit code 2 and one line; a failed
+solve with 1; anything unforeseen aborts all ranks, so that none waits for another.
+"""
+
+import argparse
+import sys
+import traceback
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TypeVar
+
+from mpi4py import MPI
+from petsc4py import PETSc
+
+from .programme import SolveError
+from .scene import DEFAULT_SCENE, Scene, SceneError, parse
+
+T = TypeVar("T")
+comm = MPI.COMM_WORLD
+
+
+@dataclass(frozen=True)
+class Request:
+    """A checked command line: the scene, the folder for results, and options for PETSc."""
+
+    scene: Scene
+    output: Path
+    petsc: tuple[str, ...]
+
+
+class _Parser(argparse.ArgumentParser):
+    def error(self, message):
+        raise SceneError(f"{message} (see --help)")
+
+
+def read_request(arguments: list[str], program: str, description: str) -> Request:
+    """The request of a command line ``[SCENE.toml] [--output DIR] [--set KEY=VALUE] [-petsc_option ...]``."""
+    parser = _Parser(prog=f"python -m {program}", description=description, allow_abbrev=False)
+    parser.add_argument("scene", nargs="?", type=Path, help="scene file (TOML); without one, the default scene")
+    parser.add_argument("--output", type=Path, metavar="DIR", help="folder for results (default: results/SCENE)")
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="change a key of the scene")
+    parser.epilog = "Options that begin with -fretting_ go to PETSc, for instance -fretting_snes_monitor."
+    own, petsc = _split_petsc(arguments)
+    given = parser.parse_args(own)
+    text = DEFAULT_SCENE if given.scene is None else _read(given.scene)
+    scene = parse(text, tuple(given.set))
+    name = "default" if given.scene is None else given.scene.stem
+    output = given.output or Path("results") / name
+    return Request(scene, _writable(output), petsc)
+
+
+def _split_petsc(arguments):
+    """Own arguments, and PETSc's: those after one dash and a word, each with the values that follow."""
+    own, petsc = [], []
+    current = own
+    for argument in arguments:
+        if argument.startswith("-fretting_"):
+            current = petsc
+        elif argument.startswith("-"):
+            current = own
+        current.append(argument)
+    return own, tuple(petsc)
+
+
+def _read(path: Path) -> str:
+    try:
+        return path.read_text(encoding="utf-8")
+    except OSError as error:
+        raise SceneError(f"scene {path} cannot be read: {error.strerror}") from None
+    except UnicodeDecodeError:
+        raise SceneError(f"scene {path} is not TOML: it is not even text") from None
+
+
+def _writable(folder: Path) -> Path:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        probe = folder / ".write-test"
+        probe.touch()
+        probe.unlink()
+    except OSError as error:
+        raise SceneError(f"--output {folder} cannot be written: {error.strerror}") from None
+    return folder
+
+
+def on_root(work: Callable[[], T]) -> T:
+    """Result of ``work`` done by rank 0, or its exception raised on every rank."""
+    result = failure = None
+    if comm.rank == 0:
+        try:
+            result = work()
+        except (SceneError, SystemExit) as problem:
+            failure = problem
+    result, failure = comm.bcast((result, failure))
+    if failure is not None:
+        raise failure
+    return result
+
+
+def set_petsc_options(options: tuple[str, ...]):
+    """Hand a command line's PETSc options to PETSc."""
+    PETSc.Options().insertString(" ".join(options))
+
+
+def run(main: Callable[[list[str]], None]):
+    """Run a command's ``main(arguments)`` and exit as its kind of ending asks."""
+    try:
+        main(sys.argv[1:])
+        code = 0
+    except SystemExit as end:
+        code = end.code or 0
+    except SceneError as error:
+        say(str(error), file=sys.stderr)
+        code = 2
+    except SolveError as error:
+        say(f"not converged: {error}", file=sys.stderr)
+        code = 1
+    except KeyboardInterrupt:
+        comm.Abort(130)
+    except BaseException:
+        traceback.print_exc()
+        comm.Abort(1)
+    sys.exit(code)
+
+
+def say(*words, file=None, **options):
+    """Print on rank 0."""
+    if comm.rank == 0:
+        print(*words, file=file or sys.stdout, flush=True, **options)

@@ -1,0 +1,85 @@
+"""The record of a run: one entry an increment, with everything that files, plots and errors are made from."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from .observables import SurfaceState, contact_edges, stick_edges
+from .programme import Increment, Outcome
+
+DIRECTION = {"normal": 0, "initial": 1, "unloading": -1, "reloading": 1}  # of the tangential load
+
+
+@dataclass(frozen=True)
+class Entry:
+    """State at the end of an increment (dimensionless) and what it took."""
+
+    increment: Increment
+    surface: SurfaceState
+    slip: np.ndarray  # (n,) u_x - delta_x since tangential loading began
+    contact: tuple[float, float]  # edges of the contact
+    stick: tuple[float, float]  # edges of the stick zone
+    dissipated: float  # energy since the start
+    iterations: int
+    cuts: int
+    residual: float
+    seconds: float
+
+    @property
+    def a(self) -> float:
+        """Contact half-width."""
+        return (self.contact[1] - self.contact[0]) / 2
+
+    @property
+    def c(self) -> float:
+        """Stick half-width."""
+        return (self.stick[1] - self.stick[0]) / 2
+
+
+@dataclass
+class History:
+    """Entries of a run so far. k and mu are the grading and the coefficient of friction."""
+
+    k: float
+    mu: float
+    entries: list[Entry] = field(default_factory=list)
+
+    def append(self, outcome: Outcome, surface: SurfaceState, seconds: float) -> Entry:
+        """Add the state that ``outcome`` ended with."""
+        increment, s = outcome.increment, surface.relative_displacement
+        contact = contact_edges(surface, self.k)
+        if increment.branch == "normal":
+            self._rest = s
+            stick, dissipated = contact, 0.0
+        else:
+            before = self.entries[-1]
+            stick = stick_edges(surface, self.mu, DIRECTION[increment.branch], self.k)
+            moved = s - before.surface.relative_displacement
+            dissipated = before.dissipated - surface.line_load(surface.traction * moved)
+        entry = Entry(
+            increment=increment,
+            surface=surface,
+            slip=s - self._rest,
+            contact=contact,
+            stick=stick,
+            dissipated=dissipated,
+            iterations=outcome.iterations,
+            cuts=outcome.cuts,
+            residual=outcome.results[-1].residual,
+            seconds=seconds,
+        )
+        self.entries.append(entry)
+        return entry
+
+    @property
+    def last_cycle(self) -> list[Entry]:
+        """Entries of the last full cycle, without the one it starts from."""
+        cycle = self.entries[-1].increment.cycle
+        return [entry for entry in self.entries if entry.increment.cycle == cycle]
+
+    @property
+    def dissipated_per_cycle(self) -> float:
+        """Energy dissipated in the last cycle."""
+        cycle = self.last_cycle
+        start = self.entries[len(self.entries) - len(cycle) - 1]
+        return cycle[-1].dissipated - start.dissipated

@@ -1,0 +1,115 @@
+"""What a state shows on the surface: pressure, traction, slip, edges of contact and stick, dissipated energy."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from dolfinx import fem
+
+from .problem import STRIP, X, Y, ContactProblem, HalfPlane
+
+SKIPPED, FITTED = 5, 10  # nodes next to an edge that carry its discretisation error, and those read beyond them
+ROUND_OFF = 1e-9  # a traction this close (relative to the largest limit) to its limit slides
+
+
+@dataclass(frozen=True)
+class SurfaceState:
+    """Nodal values (n,) on the strip under the cylinder, sorted by x, equal on every rank, dimensionless.
+
+    weight is the length of surface that belongs to a node: sum(weight * pressure) is the line load P.
+    """
+
+    x: np.ndarray
+    weight: np.ndarray
+    pressure: np.ndarray
+    traction: np.ndarray
+    u: np.ndarray  # (2, n)
+    delta: np.ndarray  # (2,)
+
+    @property
+    def relative_displacement(self) -> np.ndarray:
+        """u_x - delta_x, (n,)."""
+        return self.u[X] - self.delta[X]
+
+    def line_load(self, values) -> float:
+        """Integral of nodal values over the surface."""
+        return float(self.weight @ values)
+
+
+class SurfaceSampler:
+    """Collects a SurfaceState from all ranks."""
+
+    def __init__(self, body: HalfPlane, problem: ContactProblem):
+        self.body = body
+        owned = body.space.dofmap.index_map.size_local
+        dofs = fem.locate_dofs_topological(body.space, 1, body.strip)
+        self._dofs = dofs[dofs < owned]
+        x = self._gather(body.space.tabulate_dof_coordinates()[self._dofs, 0])
+        self._order = np.argsort(x)
+        self.x = x[self._order]
+        self.weight = self._collect(problem.tributary_lengths())
+
+    def sample(self, problem: ContactProblem) -> SurfaceState:
+        """The present state of the surface; contact tractions are nodal forces over tributary lengths."""
+        force = [self._collect(problem.nodal_forces(i)) for i in (X, Y)]
+        u = self.body.u.x.array
+        return SurfaceState(
+            x=self.x,
+            weight=self.weight,
+            pressure=force[Y] / self.weight,
+            traction=force[X] / self.weight,
+            u=np.stack([self._collect(u[i::2]) for i in (X, Y)]),
+            delta=self.body.delta.value.copy(),
+        )
+
+    def _collect(self, nodal):
+        return self._gather(nodal[self._dofs])[self._order]
+
+    def _gather(self, local):
+        return np.concatenate(self.body.mesh.comm.allgather(np.ascontiguousarray(local)))
+
+
+def contact_edges(state: SurfaceState, k: float) -> tuple[float, float]:
+    """Left and right edge of the contact, where the pressure ends like distance^((1+k)/2), (44)."""
+    return _edges(state.x, state.pressure, k)
+
+
+def stick_edges(state: SurfaceState, mu: float, direction: int, k: float) -> tuple[float, float]:
+    """Left and right edge of the stick zone while the load moves in ``direction`` (+1, -1).
+
+    The traction's distance from the limit it slides at, mu p - direction q, ends there like distance^((1+k)/2), (47).
+    Both are nan when every point slips.
+    """
+    limit = mu * state.pressure
+    margin = limit - direction * state.traction
+    return _edges(state.x, np.where(margin > ROUND_OFF * limit.max(), margin, 0.0), k)
+
+
+def _edges(x, values, k):
+    first, last = _longest_run(values > 0)
+    if last - first < 4:
+        return np.nan, np.nan
+    x, values = x[first:last], values[first:last] ** (2.0 / (1.0 + k))
+    return -_zero(-x[::-1], values[::-1]), _zero(x, values)
+
+
+def _zero(x, values):
+    """Where ``values``, smooth and positive up to its right end, reaches zero; between nodes.
+
+    A parabola through FITTED nodes, which leaves out the SKIPPED ones next to the edge, is continued to its zero.
+    """
+    stop = max(len(x) - SKIPPED, 4)
+    start = max(stop - FITTED, 0)
+    fit = np.polynomial.Polynomial.fit(x[start:stop], values[start:stop], 2)
+    roots = fit.roots()
+    roots = roots[np.isreal(roots)].real
+    return float(roots[np.argmin(np.abs(roots - x[-1]))]) if roots.size else np.nan
+
+
+def _longest_run(mask):
+    """First index and end of the longest run of True."""
+    ends = np.flatnonzero(np.diff(np.concatenate([[0], mask.astype(int), [0]])))
+    if ends.size == 0:
+        return 0, 0
+    starts, stops = ends[::2], ends[1::2]
+    longest = np.argmax(stops - starts)
+    return starts[longest], stops[longest]

@@ -1,0 +1,103 @@
+"""Files of a run: scene, history, surface and summary. SI units; written by rank 0, each whole or not at all."""
+
+import csv
+import io
+import json
+import os
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from .history import Entry, History
+from .scaling import Scales
+
+UNITS = {
+    "x": "m",
+    "weight": "m",
+    "pressure": "Pa",
+    "traction": "Pa",
+    "slip": "m",
+    "P": "N/m",
+    "Q": "N/m",
+}
+MEANING = {
+    "x": "position along the surface",
+    "weight": "length of surface that belongs to a node: sum(weight * pressure) = P",
+    "pressure": "contact pressure",
+    "traction": "tangential traction on the half-plane, positive along +Q",
+    "slip": "u_x - delta_x since tangential loading began",
+    "P": "normal line load",
+    "Q": "tangential line load",
+}
+
+
+def write_text(path: Path, text: str):
+    """Write a file whole: into a neighbour first, then moved into place."""
+    partial = path.with_name(path.name + ".part")
+    partial.write_text(text)
+    os.replace(partial, path)
+
+
+def write_history(path: Path, history: History, scales: Scales):
+    """history.csv, a row an increment."""
+    table = io.StringIO()
+    rows = csv.writer(table, lineterminator="\n")
+    rows.writerow(
+        "increment branch cycle state P[N/m] Q[N/m] delta_x[m] delta_y[m] a[m] c[m] "
+        "dissipated_energy[J/m] iterations cuts residual seconds".split()
+    )
+    for number, entry in enumerate(history.entries):
+        rows.writerow([number, *_row(entry, scales)])
+    write_text(path, table.getvalue())
+
+
+def _row(entry: Entry, scales: Scales):
+    increment = entry.increment
+    delta = entry.surface.delta * scales.displacement
+    quantities = [
+        increment.P * scales.line_load,
+        increment.Q * scales.line_load,
+        *delta,
+        entry.a * scales.length,
+        entry.c * scales.length,
+        entry.dissipated * scales.energy,
+    ]
+    effort = [entry.iterations, entry.cuts, f"{entry.residual:.2e}", f"{entry.seconds:.3f}"]
+    return [increment.branch, increment.cycle, increment.state, *(f"{q:.12g}" for q in quantities), *effort]
+
+
+def write_surface(path: Path, history: History, scales: Scales):
+    """surface.h5: x (n,), weight (n,); pressure, traction, slip (s, n); P, Q (s,); SI units as attributes."""
+    entries = history.entries
+    data = {
+        "x": entries[0].surface.x * scales.length,
+        "weight": entries[0].surface.weight * scales.length,
+        "pressure": np.stack([e.surface.pressure for e in entries]) * scales.stress,
+        "traction": np.stack([e.surface.traction for e in entries]) * scales.stress,
+        "slip": np.stack([e.slip for e in entries]) * scales.displacement,
+        "P": np.array([e.increment.P for e in entries]) * scales.line_load,
+        "Q": np.array([e.increment.Q for e in entries]) * scales.line_load,
+    }
+    partial = path.with_name(path.name + ".part")
+    with h5py.File(partial, "w") as file:
+        for name, values in data.items():
+            dataset = file.create_dataset(name, data=values)
+            dataset.attrs["unit"] = UNITS[name]
+            dataset.attrs["meaning"] = MEANING[name]
+        file.create_dataset("branch", data=[e.increment.branch for e in entries])
+        file.create_dataset("state", data=[e.increment.state for e in entries])
+    os.replace(partial, path)
+
+
+def write_summary(path: Path, summary: dict):
+    """summary.json; numbers that do not exist are null."""
+    write_text(path, json.dumps(_plain(summary), indent=2) + "\n")
+
+
+def _plain(value):
+    if isinstance(value, dict):
+        return {key: _plain(inner) for key, inner in value.items()}
+    if isinstance(value, float) and not np.isfinite(value):
+        return None
+    return value

@@ -1,0 +1,214 @@
+"""The discrete contact problem: fields on the half-plane, its forms, residual and Jacobian.
+
+Everything is dimensionless (``simulations.scaling``). Unknowns are the displacement ``u`` and the rigid cylinder's two
+displacements ``delta = (delta_x, delta_y)``, which the two line loads (Q, P) determine:
+
+    K u - f(u, delta) = 0  in the body,     sum of the contact tractions in f = (Q, P).
+"""
+
+from dataclasses import dataclass
+
+import dolfinx
+import numpy as np
+import ufl
+from dolfinx import fem
+from dolfinx.fem import petsc as fem_petsc
+from mpi4py import MPI
+from petsc4py import PETSc
+
+from forms import contact, elasticity
+
+from .mesh import FAR, SURFACE
+
+X, Y = 0, 1  # components: along the surface, into the body
+BULK_QUADRATURE_DEGREE = 5  # 3 Gauss points a direction: the square of a degree-2 gradient, in graded layers
+STRIP = 1.5  # contact is looked for on |x| < STRIP a
+
+
+@dataclass(frozen=True)
+class Nitsche:
+    """Parameters of the contact terms: gamma = gamma0 * 4 E/((1-nu^2) h), and the variant theta."""
+
+    gamma0: float = 10.0
+    theta: float = 0.0
+
+
+class HalfPlane:
+    """Mesh, function spaces, fields and stiffness of the graded half-plane.
+
+    far_field: function ``(x, y, P, Q) -> (2, n)`` with the displacement far from the loads; it is prescribed on
+    the outer boundary, so that the domain's size is felt only beyond the resultant loads.
+    """
+
+    def __init__(self, mesh, facets, modulus, nu: float, far_field):
+        self.mesh, self.modulus, self.nu = mesh, modulus, nu
+        self.depth = modulus.depth_map()
+        self.space = fem.functionspace(mesh, ("Lagrange", 2, (2,)))
+        self.u = fem.Function(self.space, name="displacement")
+        self.delta = fem.Constant(mesh, np.zeros(2))
+        self.position = ufl.SpatialCoordinate(mesh)
+        self.cell_height = self._cell_height()
+        self.translations = [self._translation(i) for i in (X, Y)]
+
+        far = fem.locate_dofs_topological(self.space, 1, facets.find(FAR))
+        self.far_value = fem.Function(self.space)
+        self.boundary_condition = fem.dirichletbc(self.far_value, far)
+        self._far_dofs = np.stack([2 * far, 2 * far + 1])
+        x, s, _ = self.space.tabulate_dof_coordinates()[far].T
+        y = self.depth.y(np.maximum(s, 0.0))  # gmsh may place the surface at -1e-17
+        self._far_field = [far_field(x, y, Q=1.0), far_field(x, y, P=1.0)]
+
+        v, du = ufl.TestFunction(self.space), ufl.TrialFunction(self.space)
+        dx = ufl.dx(metadata={"quadrature_degree": BULK_QUADRATURE_DEGREE})
+        work = elasticity.virtual_work(du, v, modulus, nu, self.depth, self.position[1]) * dx
+        form = fem.form(work)
+        self.stiffness = fem_petsc.assemble_matrix(form)
+        self.stiffness.assemble()
+        self.constrained_stiffness = fem_petsc.assemble_matrix(form, bcs=[self.boundary_condition])
+        self.constrained_stiffness.assemble()
+
+        middle = dolfinx.mesh.compute_midpoints(mesh, 1, facets.find(SURFACE))[:, 0]
+        self.strip = facets.find(SURFACE)[np.abs(middle) < STRIP]
+        tags = dolfinx.mesh.meshtags(mesh, 1, np.sort(self.strip), np.full(len(self.strip), SURFACE, np.int32))
+        # Integration at the displacement nodes makes each node carry its own contact force; with Gauss
+        # points between them the semismooth Newton diverges on thin layers.
+        rule = {"quadrature_rule": "GLL", "quadrature_degree": 3}
+        self.surface_measure = ufl.Measure("ds", mesh, subdomain_data=tags, metadata=rule)(SURFACE)
+        mesh.topology.create_connectivity(1, 2)
+        to_cell = mesh.topology.connectivity(1, 2)
+        self.strip_cells = np.unique([to_cell.links(facet)[0] for facet in self.strip]).astype(np.int32)
+
+    @property
+    def unknowns(self) -> int:
+        """Global number of displacement unknowns."""
+        return 2 * self.space.dofmap.index_map.size_global
+
+    def traction(self, u):
+        """UFL traction (2,) of ``u`` on the surface, dimensionless."""
+        return elasticity.surface_traction(u, self.modulus, self.nu, self.depth, self.cell_height)
+
+    def apply_far_field(self, load):
+        """Prescribe the displacement of the loads ``(Q, P)`` on the outer boundary, in ``u`` too."""
+        value = load[X] * self._far_field[X] + load[Y] * self._far_field[Y]
+        for field in (self.far_value, self.u):
+            field.x.array[self._far_dofs] = value
+
+    def _cell_height(self):
+        height = fem.Function(fem.functionspace(self.mesh, ("DG", 0)))
+        cells = self.mesh.geometry.x[self.mesh.geometry.dofmap][..., 1]
+        height.x.array[:] = np.ptp(cells, axis=1)
+        return height
+
+    def _translation(self, direction):
+        field = fem.Function(self.space)
+        field.x.array[direction::2] = 1.0
+        return field
+
+
+class ContactProblem:
+    """Contact of a half-plane with the cylinder, with or without friction, as residual and Jacobian.
+
+    profile: UFL function of x, the cylinder's shape f(x). Without friction the tangential traction is absent from
+    the forms and the only rigid displacement is ``delta_y``; ``directions`` lists the rigid unknowns.
+    """
+
+    def __init__(self, body: HalfPlane, profile, nitsche: Nitsche, friction: bool):
+        self.body, self.friction = body, friction
+        self.directions = (X, Y) if friction else (Y,)
+        self.mu = fem.Constant(body.mesh, 0.0)
+        self.all_stick = fem.Constant(body.mesh, 0.0)  # 1 in the predictor
+        ds = body.surface_measure
+        u, v, du = body.u, ufl.TestFunction(body.space), ufl.TrialFunction(body.space)
+
+        into = body.modulus.surface_moduli(body.cell_height, body.depth)[1]
+        gamma = nitsche.gamma0 * 4.0 * into / ((1.0 - body.nu**2) * body.cell_height)
+        traction = body.traction(u)
+        gap = contact.gap(u, profile(body.position[0]), body.delta)
+        tractions = {Y: contact.contact_pressure(traction, gap, gamma)}
+        if friction:
+            self.anchor = fem.Function(fem.functionspace(body.mesh, ("DG", 2)), name="anchor")
+            s = contact.relative_displacement(u, body.delta)
+            trial = contact.trial_traction(traction, s, self.anchor, gamma)
+            tractions[X] = contact.coulomb(trial, tractions[Y], self.mu, self.all_stick)
+            self._rest = self._expression(contact.rest_position(traction, s, tractions[X], gamma))
+            self._released = self._expression(contact.rest_position(traction, s, 0.0, gamma))
+
+        work = {i: contact.work(tractions[i], v, i) * ds for i in self.directions}
+        forces = sum(work.values())
+        if nitsche.theta:
+            for i in self.directions:
+                test = ufl.derivative(traction[i], u, v)
+                forces += contact.consistency(traction[i], tractions[i], test, nitsche.theta, gamma) * ds
+        resultants = [tractions[i] * ds for i in self.directions]
+        along = [body.translations[i] for i in self.directions]
+        # The cylinder enters through u - delta alone, so d/d(delta_i) is minus the derivative along a translation.
+        self._forces = fem.form(forces)
+        self._force_tangent = fem.form(ufl.derivative(-forces, u, du))
+        self._resultants = [fem.form(r) for r in resultants]
+        self._columns = [fem.form(ufl.derivative(forces, u, e)) for e in along]
+        self._rows = [fem.form(ufl.derivative(r, u, v)) for r in resultants]
+        self._corner = [[fem.form(-ufl.derivative(r, u, e)) for e in along] for r in resultants]
+        self._nodal = {i: fem.form(w) for i, w in work.items()}
+        self._tributary = fem.form(v[Y] * ds)
+
+    # --- residual and Jacobian -----------------------------------------------------------------------------
+
+    def create_matrix(self) -> PETSc.Mat:
+        """A matrix for ``assemble_jacobian``."""
+        return self.body.constrained_stiffness.copy()
+
+    def residual(self, load) -> tuple[PETSc.Vec, np.ndarray]:
+        """Force residual (owned dofs) and load imbalance, one per direction, at line loads ``(Q, P)``."""
+        internal = self.body.stiffness.createVecLeft()
+        self.body.stiffness.mult(self.body.u.x.petsc_vec, internal)
+        internal.axpy(-1.0, self._vector(self._forces))
+        fem.petsc.set_bc(internal, [self.body.boundary_condition], x0=self.body.u.x.petsc_vec, alpha=-1.0)
+        total = np.array([self._sum(form) for form in self._resultants])
+        return internal, total - np.array([load[i] for i in self.directions])
+
+    def assemble_jacobian(self, matrix: PETSc.Mat):
+        """Overwrite ``matrix`` with d(force residual)/du."""
+        self.body.constrained_stiffness.copy(matrix, PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
+        fem_petsc.assemble_matrix(matrix, self._force_tangent)
+        matrix.assemble()
+
+    def borders(self):
+        """Columns and rows (lists of Vec) and corner (m, m) that the rigid displacements add to the Jacobian."""
+        corner = np.array([[self._sum(form) for form in row] for row in self._corner])
+        return [self._vector(f) for f in self._columns], [self._vector(f) for f in self._rows], corner
+
+    def nodal_forces(self, direction: int) -> np.ndarray:
+        """Contact force along x (0) or y (1) on every owned dof of that direction, (n,)."""
+        if direction not in self._nodal:
+            return np.zeros(self.body.space.dofmap.index_map.size_local)
+        return self._vector(self._nodal[direction]).array[direction::2].copy()
+
+    def tributary_lengths(self) -> np.ndarray:
+        """Length of surface that belongs to every owned node, (n,); zero off the strip."""
+        return self._vector(self._tributary).array[Y::2].copy()
+
+    # --- memory of the slip --------------------------------------------------------------------------------
+
+    def release(self):
+        """Start friction here: no tangential traction, and none of the present displacement is slip."""
+        self._move_anchor(self._released)
+
+    def come_to_rest(self):
+        """End an increment: anchor every point where it stopped (return mapping)."""
+        self._move_anchor(self._rest)
+
+    def _move_anchor(self, expression):
+        self.anchor.interpolate(expression, cells0=self.body.strip_cells)
+        self.anchor.x.scatter_forward()
+
+    def _expression(self, value):
+        points = self.anchor.function_space.element.interpolation_points()
+        return fem.Expression(value, points)
+
+    def _vector(self, form) -> PETSc.Vec:
+        vector = fem_petsc.assemble_vector(form)
+        vector.ghostUpdate(addv=PETSc.InsertMode.ADD, mode=PETSc.ScatterMode.REVERSE)
+        return vector
+
+    def _sum(self, form) -> float:
+        return self.body.mesh.comm.allreduce(fem.assemble_scalar(form), MPI.SUM)

@@ -1,0 +1,140 @@
+"""The folder of a run: files while it goes, then summary, picture and the table beside the closed form."""
+
+import platform
+from pathlib import Path
+
+import dolfinx
+import gmsh
+import numpy as np
+from petsc4py import PETSc
+
+from . import __version__, comparison, output
+from .fields import FieldWriter
+from .plots import plot_run
+from .scaling import Scales
+from .simulation import Simulation
+
+FILES = ("scene.toml", "history.csv", "surface.h5", "fields.xdmf", "summary.json", "fretting.png")
+
+
+def versions() -> dict[str, str]:
+    """What the numbers were made with."""
+    return {
+        "graded-fretting": __version__,
+        "python": platform.python_version(),
+        "dolfinx": dolfinx.__version__,
+        "petsc": ".".join(map(str, PETSc.Sys.getVersion())),
+        "gmsh": gmsh.__version__,
+        "numpy": np.__version__,
+    }
+
+
+class Results:
+    """Writes what a Simulation yields into ``folder``. Every rank calls every method; rank 0 writes."""
+
+    def __init__(self, folder: Path, simulation: Simulation):
+        self.folder, self.simulation = folder, simulation
+        self.scales = Scales.of(simulation.scene)
+        self.comm = simulation.body.mesh.comm
+        self.summary: dict = {}
+        self._fields = None
+
+    def __enter__(self):
+        if self.comm.rank == 0:
+            for name in FILES:  # of an earlier run
+                (self.folder / name).unlink(missing_ok=True)
+            output.write_text(self.folder / "scene.toml", self.simulation.scene.to_toml(versions=versions()))
+        self._fields = FieldWriter(self.folder / "fields.xdmf", self.simulation.body, self.scales)
+        return self
+
+    def record(self, entry):
+        """Keep the fields of a state that matters: the normal stage and the states A ... E."""
+        if entry.increment.branch == "normal" or entry.increment.state:
+            with self.simulation.watch("output"):
+                self._fields.write(float(len(self.simulation.history.entries) - 1))
+
+    def __exit__(self, kind, error, trace):
+        """Write what there is, after a failure too."""
+        history = self.simulation.history
+        with self.simulation.watch("output"):
+            self._fields.close()
+            if self.comm.rank == 0 and history.entries:
+                output.write_history(self.folder / "history.csv", history, self.scales)
+                output.write_surface(self.folder / "surface.h5", history, self.scales)
+                if kind is None:
+                    self._plot()
+        if self.comm.rank == 0:
+            self.summary = self._summarise(failure=None if kind is None else f"{error}")
+            output.write_summary(self.folder / "summary.json", self.summary)
+
+    def _plot(self):
+        simulation = self.simulation
+        scene = simulation.scene
+        title = f"{scene['title']}  (k = {scene['solid.k']:g}, ν = {scene['solid.nu']:.4g}, μ = {scene['load.mu']:g})"
+        png = self.folder / "fretting.png"
+        plot_run(png, title.strip(), simulation.history, simulation.loop, scene.is_decoupled)
+
+    def _summarise(self, failure) -> dict:
+        simulation = self.simulation
+        history, scene, watch = simulation.history, simulation.scene, simulation.watch
+        summary = {
+            "title": scene["title"],
+            "converged": failure is None,
+            "failure": failure,
+            "increments": len(history.entries),
+            "newton_iterations": sum(e.iterations for e in history.entries),
+            "cuts": sum(e.cuts for e in history.entries),
+            "dofs": simulation.body.unknowns,
+            "ranks": self.comm.size,
+        }
+        if failure is None:
+            summary |= self._quantities() | self._deviations()
+        summary["seconds"] = watch.seconds | {"total": watch.total}
+        summary["versions"] = versions()
+        return summary
+
+    def _quantities(self) -> dict:
+        """Scalars of the last state and cycle, SI."""
+        history, contact = self.simulation.history, self.simulation.scene.contact
+        last, scales = history.entries[-1], self.scales
+        return {
+            "a": last.a * scales.length,
+            "a_over_a0": last.a * scales.length / contact.a0,
+            "c_over_a": last.c / last.a,
+            "indentation": last.surface.delta[1] * scales.displacement,
+            "dissipated_energy": history.dissipated_per_cycle * scales.energy,
+        }
+
+    def _deviations(self) -> dict:
+        simulation = self.simulation
+        history, loop = simulation.history, simulation.loop
+        exact = simulation.scene.is_decoupled
+        kind = "errors" if exact else "differences"
+        reference = "closed form, exact at the Holl ratio"
+        if not exact:
+            reference = "closed form, which neglects the coupling of normal and tangential effects"
+        return {
+            "reference": reference,
+            "errors": None,
+            kind: comparison.compare(history, loop),
+            f"{kind}_worst_in_cycle": comparison.worst(history, loop),
+        }
+
+    def table(self) -> str:
+        """The results beside the closed form, for reading."""
+        loop, scales, summary = self.simulation.loop, self.scales, self.summary
+        exact = summary["errors"] is not None
+        deviation = summary["errors" if exact else "differences"]
+        kind = "error" if exact else "difference"
+        loop_energy = loop.dissipated_energy * scales.energy
+        rows = [
+            ("contact half-width a [m]", summary["a"], loop.a * scales.length, deviation["a"]),
+            ("stick half-width c/a [-]", summary["c_over_a"], loop.c / loop.a, deviation["c"]),
+            ("energy per cycle [J/m]", summary["dissipated_energy"], loop_energy, deviation["dissipated_energy"]),
+        ]
+        lines = [f"{'':28s}{'computed':>16s}{'closed form':>16s}{'relative ' + kind:>22s}"]
+        lines += [f"{name:28s}{value:16.8g}{theory:16.8g}{d:22.1e}" for name, value, theory, d in rows]
+        for name in ("pressure", "traction", "slip"):
+            lines.append(f"{name + ' at +Q_A, L2 over contact':60s}{deviation[name + '_l2']:22.1e}")
+        lines.append(f"reference: {summary['reference']}")
+        return "\n".join(lines)

@@ -1,0 +1,27 @@
+"""Seconds by phase."""
+
+import time
+from contextlib import contextmanager
+
+
+class Stopwatch:
+    """Adds up the wall seconds of named phases:  ``with watch("solve"): ...``."""
+
+    def __init__(self):
+        self.seconds: dict[str, float] = {}
+        self.last = 0.0
+        self._start = time.perf_counter()
+
+    @contextmanager
+    def __call__(self, phase: str):
+        start = time.perf_counter()
+        try:
+            yield
+        finally:
+            self.last = time.perf_counter() - start
+            self.seconds[phase] = self.seconds.get(phase, 0.0) + self.last
+
+    @property
+    def total(self) -> float:
+        """Seconds since the watch was made."""
+        return time.perf_counter() - self._start
