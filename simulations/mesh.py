@@ -12,7 +12,7 @@ import numpy as np
 from dolfinx.io import gmshio
 
 SURFACE, FAR, BODY = 1, 2, 3  # physical groups
-RELAXED = 1.25  # beyond this |x|/a the columns may grow without limit
+STRIP = 1.25  # contact is looked for on |x| < STRIP a; beyond, the columns may grow without limit
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class Grading:
         """Wanted facet length at ``x``."""
         slope = np.log(self.growth)
         to_edge = np.min([np.abs(x - edge) for edge in self.edges], axis=0)
-        outside = np.maximum(np.abs(x) - RELAXED, 0.0)
+        outside = np.maximum(np.abs(x) - STRIP, 0.0)
         return np.minimum(self.edge_facet + slope * to_edge, self.facet + slope * outside)
 
 

@@ -18,11 +18,10 @@ from petsc4py import PETSc
 
 from forms import contact, elasticity
 
-from .mesh import FAR, SURFACE
+from .mesh import FAR, STRIP, SURFACE
 
 X, Y = 0, 1  # components: along the surface, into the body
 BULK_QUADRATURE_DEGREE = 5  # 3 Gauss points a direction: the square of a degree-2 gradient, in graded layers
-STRIP = 1.5  # contact is looked for on |x| < STRIP a
 
 
 @dataclass(frozen=True)
@@ -87,11 +86,15 @@ class HalfPlane:
         """UFL traction (2,) of ``u`` on the surface, dimensionless."""
         return elasticity.surface_traction(u, self.modulus, self.nu, self.depth, self.cell_height)
 
-    def apply_far_field(self, load):
-        """Prescribe the displacement of the loads ``(Q, P)`` on the outer boundary, in ``u`` too."""
+    def set_far_field(self, load):
+        """Prescribe the displacement of the loads ``(Q, P)`` on the outer boundary."""
         value = load[X] * self._far_field[X] + load[Y] * self._far_field[Y]
-        for field in (self.far_value, self.u):
-            field.x.array[self._far_dofs] = value
+        self.far_value.x.array[self._far_dofs] = value
+
+    def apply_far_field(self, load):
+        """``set_far_field``, and the same values in ``u``."""
+        self.set_far_field(load)
+        self.u.x.array[self._far_dofs] = self.far_value.x.array[self._far_dofs]
 
     def _cell_height(self):
         height = fem.Function(fem.functionspace(self.mesh, ("DG", 0)))
@@ -144,6 +147,7 @@ class ContactProblem:
         # The cylinder enters through u - delta alone, so d/d(delta_i) is minus the derivative along a translation.
         self._forces = fem.form(forces)
         self._force_tangent = fem.form(ufl.derivative(-forces, u, du))
+        self._strip_tangent = fem.create_matrix(self._force_tangent)
         self._resultants = [fem.form(r) for r in resultants]
         self._columns = [fem.form(ufl.derivative(forces, u, e)) for e in along]
         self._rows = [fem.form(ufl.derivative(r, u, v)) for r in resultants]
@@ -171,6 +175,13 @@ class ContactProblem:
         self.body.constrained_stiffness.copy(matrix, PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
         fem_petsc.assemble_matrix(matrix, self._force_tangent)
         matrix.assemble()
+
+    def force_tangent(self):
+        """Minus d(contact forces)/du as a scipy matrix of the local dofs; ghost rows are summed into their owners."""
+        self._strip_tangent.set_value(0.0)
+        fem.assemble_matrix(self._strip_tangent, self._force_tangent)
+        self._strip_tangent.scatter_reverse()
+        return self._strip_tangent.to_scipy(ghosted=True)
 
     def borders(self):
         """Columns and rows (lists of Vec) and corner (m, m) that the rigid displacements add to the Jacobian."""

@@ -75,10 +75,11 @@ def fretting_programme(P: float, Q_A: float, cycles: int, quarter: int) -> list[
 class LoadProgramme:
     """Runs increments on a half-plane: the normal stage without friction, the rest with it."""
 
-    def __init__(self, body: HalfPlane, frictionless: ContactProblem, frictional: ContactProblem, mu: float):
-        self.body, self.frictional, self.mu = body, frictional, mu
-        self.problem = frictionless
-        self._newton = {id(p): Newton(p) for p in (frictionless, frictional)}
+    def __init__(self, frictionless: ContactProblem, frictional: ContactProblem, system, mu: float):
+        """system: function from a problem to the newton.System that solves its steps."""
+        self.problem, self.frictional = frictionless, frictional
+        self.body, self.mu, self._system = frictionless.body, mu, system
+        self._newton = self._start(self.problem)
 
     def run(self, programme: list[Increment]) -> Iterator[Outcome]:
         """Yield each outcome while its state is on the half-plane; SolveError ends the run."""
@@ -91,15 +92,19 @@ class LoadProgramme:
             yield Outcome(increment, tuple(results))
             before = increment
 
+    def _start(self, problem):
+        return Newton(self._system(problem), self.body.mesh.comm)
+
     def _begin_friction(self):
         self.problem = self.frictional
+        self._newton = self._start(self.frictional)
         self.frictional.mu.value = self.mu
         self.frictional.release()
 
     def _advance(self, before: Increment, after: Increment, results: list[NewtonResult], cuts: int):
         friction = self.problem is self.frictional
         saved = self._save()
-        result = self._newton[id(self.problem)].solve(after.load, predict=friction)
+        result = self._newton.solve(after.load, predict=self.problem.all_stick if friction else None)
         results.append(result)
         if result.converged:
             if friction:

@@ -41,9 +41,13 @@ class Key:
     kind: type = float
     closed: tuple[bool, bool] = (False, False)
     word: str | None = None  # a word that may stand for the number
+    choices: tuple[str, ...] = ()  # of a text
 
     @property
     def allowed(self) -> str:
+        """What may be written, in words."""
+        if self.kind is str:
+            return " or ".join(map(json.dumps, self.choices)) or "a text"
         left, right = ("[" if self.closed[0] else "]"), ("]" if self.closed[1] else "[")
         kind = "an integer" if self.kind is int else "a number"
         word = f' or "{self.word}"' if self.word else ""
@@ -52,9 +56,9 @@ class Key:
     def read(self, name: str, value):
         """``value`` as this key's type, or SceneError naming key, value and what is allowed."""
         if self.kind is str:
-            if isinstance(value, str):
+            if isinstance(value, str) and (not self.choices or value in self.choices):
                 return value
-            raise SceneError(f"{name} = {value!r} is not allowed: a text")
+            raise SceneError(f"{name} = {value!r} is not allowed: {self.allowed}")
         if self.word and value == self.word:
             return value
         number = isinstance(value, (int, float)) and not isinstance(value, bool)
@@ -86,7 +90,8 @@ LANGUAGE: dict[str, Key] = {
     "mesh.first_layer": Key(1e-7, 0.5, 1e-3, closed=(True, True)),
     "mesh.layer_growth": Key(1.02, 3.0, 1.25, closed=(True, True)),
     "mesh.extent": Key(4.0, 1e4, 20.0, closed=(True, True)),
-    "solver.increments": Key(1, 1000, 5, int, (True, True)),  # per quarter cycle
+    "solver.method": Key(kind=str, default="condensed", choices=("condensed", "full")),
+    "solver.increments": Key(1, 1000, 6, int, (True, True)),  # per quarter cycle
     "solver.gamma0": Key(1e-3, 1e6, 10.0, closed=(True, True)),
     "solver.theta": Key(-1.0, 1.0, 0.0, closed=(True, True)),
 }
@@ -172,6 +177,8 @@ def resolve(given: dict[str, Any]) -> Scene:
             raise SceneError(f"{name} = {given[name]!r} is not a key of the scene language: {hint}")
     if sum(name in given for name in ALTERNATIVES) != 1:
         raise SceneError(f"exactly one of {' and '.join(ALTERNATIVES)} is to be given")
+    if given.get("solver.theta", 0) != 0 and given.setdefault("solver.method", "full") != "full":
+        raise SceneError('solver.theta other than 0 needs solver.method = "full"')
     values: dict[str, Any] = {}
     for name, key in LANGUAGE.items():
         if name in given:

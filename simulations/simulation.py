@@ -6,6 +6,8 @@ from analytic import CylinderContact, FrettingLoop
 from analytic.point_force import point_force_displacement
 from forms.modulus import PowerLaw
 
+from .condensed import Compliance, CondensedSystem
+from .full import FullSystem
 from .history import Entry, History
 from .mesh import Grading, columns, half_plane, layers
 from .observables import SurfaceSampler
@@ -53,7 +55,7 @@ class Simulation:
             nitsche = Nitsche(scene["solver.gamma0"], scene["solver.theta"])
             stages = [ContactProblem(self.body, parabola, nitsche, friction) for friction in (False, True)]
         with self.watch("solve"):
-            self._solver = LoadProgramme(self.body, *stages, mu=scene["load.mu"])
+            self._solver = LoadProgramme(*stages, self._choose_system(), mu=scene["load.mu"])
         self.body.delta.value[Y] = 0.5  # overlap on |x| < a: where Newton starts
         self._sampler = SurfaceSampler(self.body, stages[0])
         self.history = History(k=scene["solid.k"], mu=scene["load.mu"])
@@ -70,6 +72,12 @@ class Simulation:
                 return
             state = self._sampler.sample(self._solver.problem)
             yield self.history.append(outcome, state, self.watch.last)
+
+    def _choose_system(self):
+        if self.scene["solver.method"] == "full":
+            return FullSystem
+        compliance = Compliance(self.body)
+        return lambda problem: CondensedSystem(problem, compliance)
 
     def _far_field(self, extent):
         solid = scaled_solid(self.scene)

@@ -1,0 +1,31 @@
+"""Closed-form plane-strain contact and fretting of power-law graded half-planes.
+
+Equation numbers refer to Heß, Giesa, Riechert, Wilhayn, Appl. Sci. 2026, 16(1), 473; [X...] marks results beyond the paper.
+"""
+
+from .abel import PunchSuperposition
+from .checks import UndefinedDisplacementError
+from .cylinder import CylinderContact
+from .fretting import FrettingLoop
+from .material import GradedHalfPlane
+from .normal import ProfileContact
+from .partial_slip import PartialSlip
+from .profile import PowerProfile, Profile
+from .tangential import UniformShift, from_displacement, from_traction
+from .two_bodies import GradedPair
+
+__all__ = [
+    "CylinderContact",
+    "FrettingLoop",
+    "GradedHalfPlane",
+    "GradedPair",
+    "PartialSlip",
+    "PowerProfile",
+    "Profile",
+    "ProfileContact",
+    "PunchSuperposition",
+    "UndefinedDisplacementError",
+    "UniformShift",
+    "from_displacement",
+    "from_traction",
+]

@@ -1,0 +1,25 @@
+"""Checks of input: every refusal names the value and the admissible range."""
+
+from math import inf, isfinite
+
+
+class UndefinedDisplacementError(ValueError):
+    """A displacement was asked for that does not exist for k <= 0."""
+
+
+def require(name, value, low=0.0, high=inf, *, closed_low=False, closed_high=False):
+    """Raise ValueError unless value is a finite number with low < value < high (<= where closed)."""
+    above = value >= low if closed_low else value > low
+    below = value <= high if closed_high else value < high
+    if not (above and below and isfinite(value)):
+        left, right = "<=" if closed_low else "<", "<=" if closed_high else "<"
+        raise ValueError(f"{name} = {value!r} is outside the admissible range {low} {left} {name} {right} {high}")
+
+
+def require_positive_k(k, quantity):
+    """Raise UndefinedDisplacementError for k <= 0, where displacements do not decay at infinity."""
+    if k <= 0:
+        raise UndefinedDisplacementError(
+            f"{quantity} does not exist for k = {k!r}: for k <= 0 the displacement of a loaded half-plane grows without "
+            "bound with the distance, so that only relative displacements are defined; 0 < k < 1 is required"
+        )

@@ -1,0 +1,174 @@
+"""Rigid parabolic cylinder pressed on a graded half-plane: equations (41)-(46), [X1]-[X4]."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import gamma, pi, sqrt
+
+import numpy as np
+
+from .checks import require, require_positive_k
+from .cumulative import load_fraction, load_fraction_difference
+from .fretting import FrettingLoop
+from .material import GradedHalfPlane
+from .partial_slip import PartialSlip
+from .special import (
+    parabolic_displacement,
+    parabolic_gap,
+    parabolic_gap_slope,
+    parabolic_relative_displacement,
+    punch_rigid_factor,
+)
+
+
+@dataclass(frozen=True)
+class CylinderContact:
+    """Cylinder f(x) = x²/(2R) pressed by the line load P on a graded half-plane (or a pair of them).
+
+    R: radius [length]; P: load per unit length [stress x length], P > 0. Fields take x of any shape and return that shape.
+    """
+
+    solid: GradedHalfPlane
+    R: float
+    P: float
+
+    def __post_init__(self):
+        require("R", self.R)
+        require("P", self.P)
+
+    # -- scalars ---------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def a(self):
+        """Contact half-width [length], from (43)."""
+        k = self.solid.k
+        power = 2 * self.R * self.P * self.solid.normal_compliance * gamma((4 + k) / 2) * gamma((1 - k) / 2) / sqrt(pi)
+        return power ** (1 / (2 + k))
+
+    @cached_property
+    def a0(self):
+        """Contact half-width for k = 0 [length], (57)."""
+        return sqrt(4 * self.solid.homogeneous_compliance * self.P * self.R / pi)
+
+    @property
+    def peak_pressure(self):
+        """Pressure at x = 0 [stress], (44)."""
+        k = self.solid.k
+        return gamma((4 + k) / 2) / (sqrt(pi) * gamma((3 + k) / 2)) * self.P / self.a
+
+    @property
+    def indentation(self):
+        """Indentation depth [length], (46). Raises UndefinedDisplacementError for k <= 0."""
+        require_positive_k(self.solid.k, "the indentation delta_y")
+        return self.a**2 / (2 * self.R * self.solid.k)
+
+    # -- fields ----------------------------------------------------------------------------------------------------
+
+    def profile(self, x):
+        """Shape of the cylinder f(x) [length], (41)."""
+        return np.asarray(x, dtype=float) ** 2 / (2 * self.R)
+
+    def density(self, s):
+        """n_y(s) [stress / length^k], (42)."""
+        k = self.solid.k
+        return np.asarray(s) / (self.R * self.solid.normal_compliance * punch_rigid_factor(k))
+
+    def pressure(self, x):
+        """Contact pressure p(x) [stress], zero for |x| >= a, (44)."""
+        x = np.abs(np.asarray(x, dtype=float))
+        depth = np.maximum(self.a - x, 0) / self.a * ((self.a + x) / self.a)
+        # the exponent tends to 0 for k -> -1, so that 0**exponent must not be trusted to vanish by itself
+        return np.where(x < self.a, self.peak_pressure * depth ** ((1 + self.solid.k) / 2), 0.0)[()]
+
+    def pressure_within(self, x):
+        """Load carried between -x and x, ∫_{-x}^{x} p dx [stress x length]; odd in x, ±P beyond ±a."""
+        return self.P * load_fraction(x, self.a, self.solid.k)
+
+    def relative_displacement(self, x, half_width=None):
+        """h_y(x) [length]: depth of the surface point 0 below x; f(x) within the contact, (45) as [X2] beside it.
+
+        half_width: that of another load, instead of a.
+        """
+        s = self.a if half_width is None else half_width
+        x = np.abs(np.asarray(x, dtype=float))
+        return self.profile(x) * parabolic_relative_displacement(x, s, self.solid.k)
+
+    def gap(self, x, half_width=None):
+        """Gap f(x) - h_y(x) beside the contact [length], zero within it, [X2]."""
+        s = self.a if half_width is None else half_width
+        x = np.abs(np.asarray(x, dtype=float))
+        return self.profile(x) * parabolic_gap(x, s, self.solid.k)
+
+    def displacement(self, x):
+        """u_y(x) [length], (10). k > 0 only."""
+        indentation, k = self.indentation, self.solid.k
+        x = np.abs(np.asarray(x, dtype=float))
+        inside = x <= self.a
+        beside = np.where(inside, self.a, x)
+        return np.where(inside, indentation - self.profile(x), self.profile(x) * parabolic_displacement(beside, self.a, k))[()]
+
+    # -- difference to the same contact under the load e^log_ratio P, without cancellation for log_ratio -> 0 --------
+
+    def half_width(self, log_ratio):
+        """Half-width s under the load e^log_ratio P [length], (43)."""
+        return self.a * np.exp(log_ratio / (2 + self.solid.k))
+
+    def _inner(self, x, log_ratio):
+        """|x|, s, s - |x| and a - s; the last two without the rounding error of s."""
+        x, log_ratio = np.broadcast_arrays(np.abs(np.asarray(x, dtype=float)), np.asarray(log_ratio, dtype=float))
+        s = self.half_width(log_ratio)
+        width = -self.a * np.expm1(log_ratio / (2 + self.solid.k))
+        return x, s, np.where(width < self.a / 2, (self.a - x) - width, s - x), width
+
+    def pressure_difference(self, x, log_ratio):
+        """p(x, a) - p(x, s) [stress], bracket of (33) and (47)."""
+        x, s, to_s, width = self._inner(x, log_ratio)
+        result = np.array(self.pressure(x))
+        stick = to_s > 0
+        x, s, to_s, width = x[stick], s[stick], to_s[stick], width[stick]
+        whole = (self.a - x) * (self.a + x)
+        lost = width * (self.a + s) / whole  # (a² - s²)/(a² - x²)
+        log_depth = np.where(lost < 0.5, np.log1p(-np.minimum(lost, 0.5)), np.log(to_s * (s + x) / whole))
+        result[stick] *= -np.expm1((1 + self.solid.k) / 2 * log_depth)
+        return result[()]
+
+    def pressure_difference_within(self, x, log_ratio):
+        """∫_{-x}^{x} of pressure_difference [stress x length]; odd in x."""
+        return self.P * load_fraction_difference(x, self.a, log_ratio, self.solid.k)
+
+    def relative_displacement_difference(self, x, log_ratio):
+        """h_y(x, a) - h_y(x, s) [length], which is f - h_y(x, s) within the contact: bracket of (36), as [X2]."""
+        x, s, to_s, _ = self._inner(x, log_ratio)
+        return self.profile(x) * (parabolic_gap(x, s, self.solid.k, -to_s) - parabolic_gap(x, self.a, self.solid.k))
+
+    def gradient_difference(self, x, log_ratio):
+        """Derivative of relative_displacement_difference [1], [X3]; odd in x."""
+        sign, k = np.sign(x), self.solid.k
+        x, s, to_s, _ = self._inner(x, log_ratio)
+        return sign * x / self.R * (parabolic_gap_slope(x, s, k, -to_s) - parabolic_gap_slope(x, self.a, k))
+
+    def indentation_difference(self, log_ratio):
+        """delta_y(a) - delta_y(s) [length], bracket of (40) and (49). k > 0 only."""
+        return -self.indentation * np.expm1(2 * log_ratio / (2 + self.solid.k))
+
+    def slip_work(self, log_ratio):
+        """8 ∫_s^a p(x, a) [f(x) - h_y(x, s)] dx [stress x length²]: (52) over mu² alpha, [X4]."""
+        k = self.solid.k
+        L = -np.asarray(log_ratio, dtype=float) / (2 + k)
+        U, V = (4 + k) * L / 2, k * L / 2
+        printed = -np.expm1(-2 * U) / (4 + k) - np.exp(-2 * L) * (-np.expm1(-2 * V) / k if k else L)
+        # for small L the printed terms agree to the third order; sinh(U)/U - sinh(V)/V as a series does not cancel
+        u, v = np.minimum(U, 1) ** 2, np.minimum(np.abs(V), 1) ** 2
+        n = np.arange(1, 10)
+        factorial = np.cumprod(2 * n * (2 * n + 1.0))
+        series = sum((u**i - v**i) / f for i, f in zip(n, factorial, strict=True))
+        return 2 * self.P * self.a**2 / self.R * np.where(U < 1, L * np.exp(-U) * series, printed)[()]
+
+    # -- tangential loading ----------------------------------------------------------------------------------------
+
+    def partial_slip(self, mu, Q=None, z=None):
+        """State under a tangential load Q, |Q| < mu P, applied monotonically; z = 1 - Q/(mu P) instead of Q near full slip."""
+        return PartialSlip.from_load(self, mu, Q, z)
+
+    def fretting(self, mu, Q_A=None, z=None):
+        """Loop between Q_A and -Q_A, 0 <= Q_A < mu P, at constant P; z = 1 - Q_A/(mu P) instead of Q_A near full slip."""
+        return FrettingLoop.from_load(self, mu, Q_A, z)

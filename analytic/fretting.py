@@ -1,0 +1,106 @@
+"""Fretting between Q_A and -Q_A at constant normal load: equations (51), (52) and [X4], [X5]."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .partial_slip import PartialSlip
+
+ROUND_OFF = 1e-14  # a load this close (relative to Q_A) beyond the end of a branch is taken as the end
+
+
+@dataclass(frozen=True)
+class FrettingLoop:
+    """Initial loading 0 -> Q_A, unloading Q_A -> -Q_A, reloading -Q_A -> Q_A; amplitude is the state at Q_A.
+
+    The fields of x take Q of any shape as well (broadcast with x) where the contact is a CylinderContact.
+    """
+
+    amplitude: PartialSlip
+
+    @classmethod
+    def from_load(cls, contact, mu, Q_A=None, z=None):
+        """Loop of amplitude Q_A, 0 <= Q_A < mu P, or of that given by z = 1 - Q_A/(mu P), 0 < z <= 1."""
+        if Q_A is not None and not Q_A >= 0:
+            raise ValueError(f"Q_A = {Q_A!r} is outside the admissible range 0 <= Q_A < mu P")
+        return cls(PartialSlip.from_load(contact, mu, Q_A, z))
+
+    @property
+    def contact(self):
+        """Normal contact that carries the loop."""
+        return self.amplitude.contact
+
+    @property
+    def mu(self):
+        """Coefficient of friction."""
+        return self.amplitude.mu
+
+    @property
+    def Q_A(self):
+        """Amplitude of the tangential line load [stress x length]."""
+        return self.amplitude.Q
+
+    @property
+    def a(self):
+        """Contact half-width [length]."""
+        return self.amplitude.a
+
+    @property
+    def c(self):
+        """Half-width of the zone that sticks throughout the cycle [length], (34), (48)."""
+        return self.amplitude.c
+
+    def energy_density(self, x):
+        """Energy dissipated per cycle and area, w(x) = 4 q h_x at Q_A [stress x length], (51)."""
+        return 4 * self.amplitude.traction(x) * self.amplitude.slip(x)
+
+    @property
+    def dissipated_energy(self):
+        """Energy dissipated per cycle and unit thickness, 8 ∫_c^a q h_x dx [stress x length²], (52), [X4]."""
+        return self.mu**2 * self.contact.solid.alpha * self.contact.slip_work(self.amplitude.log_ratio)
+
+    def active_half_width(self, Q, branch):
+        """Half-width d of the zone that has stuck since the last turn of the load [length], c <= d <= a, [X5]."""
+        return self.contact.half_width(self._last_slip(Q, branch)[0])
+
+    def traction(self, x, Q, branch):
+        """Tangential traction [stress] at the load Q on a branch 'initial', 'unloading' or 'reloading', [X5]."""
+        return self._state(Q, branch, lambda state: state.traction(x))
+
+    def traction_within(self, x, Q, branch):
+        """∫_{-x}^{x} of the traction [stress x length]; odd in x, ±Q beyond ±a."""
+        return self._state(Q, branch, lambda state: state.traction_within(x))
+
+    def slip(self, x, Q, branch):
+        """Slip from the unloaded state [length] at the load Q on a branch, [X5]."""
+        return self._state(Q, branch, lambda state: state.slip(x))
+
+    def rigid_shift(self, Q, branch):
+        """Displacement delta_x of the zone |x| < c [length] at the load Q on a branch, (40) with [X5]. k > 0 only."""
+        return self._state(Q, branch, lambda state: state.rigid_shift)
+
+    def _state(self, Q, branch, field):
+        """Field at Q: that of monotone loading, or that of the last turn plus twice the field of the load step since."""
+        log_ratio, sign = self._last_slip(Q, branch)
+        step = PartialSlip(self.contact, self.mu, log_ratio, sign)
+        if branch == "initial":
+            return field(step)
+        return -sign * field(self.amplitude) + 2 * field(step)
+
+    def _last_slip(self, Q, branch):
+        """ln(P(d)/P) of the load step since the last turn, and the direction of its slip."""
+        Q_A = self.Q_A
+        branches = {"initial": (0.0, Q_A), "unloading": (Q_A, -Q_A), "reloading": (-Q_A, Q_A)}
+        if branch not in branches:
+            raise ValueError(f"branch = {branch!r} is not one of {tuple(branches)}")
+        start, end = branches[branch]
+        low, high = min(start, end), max(start, end)
+        Q, margin = np.asarray(Q, dtype=float), ROUND_OFF * Q_A
+        if not np.all((Q >= low - margin) & (Q <= high + margin)):
+            raise ValueError(f"Q = {Q[()]!r} is outside the {branch} branch {low!r} <= Q <= {high!r}")
+        Q = np.clip(Q, low, high)
+        scale = (1 if branch == "initial" else 2) * self.mu * self.contact.P
+        step = np.abs(Q - start) / scale
+        # 1 - step loses digits where the loop nearly slides; z and the load still to come do not
+        rest = self.amplitude.z + np.abs(end - Q) / scale
+        return np.where(step < 0.5, np.log1p(-np.minimum(step, 0.5)), np.log(rest))[()], -1.0 if branch == "unloading" else 1.0

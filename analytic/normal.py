@@ -1,0 +1,170 @@
+"""Normal contact of a convex symmetric indenter of any shape with a graded half-plane: equations (5)-(8), (10), (11)."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from math import exp, expm1, log
+
+import numpy as np
+from scipy.optimize import brentq
+
+from .abel import PunchSuperposition
+from .checks import require, require_positive_k
+from .fretting import FrettingLoop
+from .material import GradedHalfPlane
+from .partial_slip import PartialSlip
+from .profile import Profile, abel_factor, density_power
+from .quadrature import two_sided_rule
+from .special import punch_rigid_factor
+
+
+@dataclass(frozen=True)
+class ProfileContact:
+    """Indenter f(x) in contact over |x| < a; fields take x of any shape and return that shape.
+
+    profile: a Profile or PowerProfile. a: contact half-width [length], a > profile.flat; from_load finds it from P.
+    Slip in partial slip and fretting is available for |x| <= a as for the cylinder, at one load Q at a time.
+    """
+
+    solid: GradedHalfPlane
+    profile: Profile
+    a: float
+
+    def __post_init__(self):
+        require("a", self.a, self.profile.flat)
+
+    @classmethod
+    def from_load(cls, solid, profile, P, a_max):
+        """Contact under the line load P [stress x length]; the profile is defined at least for |x| <= a_max [length]."""
+        require("P", P)
+        flat = profile.flat
+        require("P", P, high=cls(solid, profile, a_max).P, closed_high=True)
+
+        def half_width(t):
+            return flat + (a_max - flat) * exp(t)
+
+        def excess(t):
+            return log(cls(solid, profile, half_width(t)).P / P)
+
+        low = -1.0
+        while excess(low) > 0:
+            low *= 2
+        return cls(solid, profile, half_width(brentq(excess, low, 0.0, xtol=1e-15, rtol=1e-15)))
+
+    # -- normal contact ------------------------------------------------------------------------------------------------
+
+    def density(self, s, edge=None):
+        """n_y(s) [stress / length^k], (5)."""
+        k = self.solid.k
+        return abel_factor(k, self.solid.normal_compliance) * self.profile.abel_density(s, k)
+
+    @cached_property
+    def P(self):
+        """Line load [stress x length], (6), where the integral undoes the derivative in (5)."""
+        k = self.solid.k
+        return float(abel_factor(k, self.solid.normal_compliance) * self.profile.abel_integral(self.a, k))
+
+    @cached_property
+    def _punches(self):
+        power = density_power(self.profile, self.solid.k)
+        return PunchSuperposition(
+            self.solid.k, self.solid.normal_compliance, self.density, self.a, self.profile.flat, power
+        )
+
+    def pressure(self, x):
+        """Contact pressure p(x) [stress], zero for |x| >= a, (7)."""
+        return self._punches.traction(x)
+
+    def pressure_within(self, x):
+        """∫_{-x}^{x} p dx [stress x length]; odd in x."""
+        return self._punches.traction_within(x)
+
+    def relative_displacement(self, x):
+        """h_y(x) [length], (8): the profile itself within the contact, by the boundary condition that (5) solves."""
+        x = np.abs(np.asarray(x, dtype=float))
+        inside = np.minimum(x, self.a)
+        return np.where(x <= self.a, self.profile.height(inside), self._punches.relative_displacement(x))[()]
+
+    def displacement(self, x):
+        """u_y(x) [length], (10). k > 0 only."""
+        return self._punches.displacement(x)
+
+    @property
+    def indentation(self):
+        """delta_y [length], (11). k > 0 only."""
+        require_positive_k(self.solid.k, "the indentation delta_y")
+        return self._punches.rigid_displacement
+
+    # -- difference to the same contact under the load e^log_ratio P ----------------------------------------------------
+
+    def half_width(self, log_ratio):
+        """Half-width s under the load e^log_ratio P [length], (6)."""
+        return self._added(log_ratio).start
+
+    def pressure_difference(self, x, log_ratio):
+        """p(x, a) - p(x, s) [stress], bracket of (33)."""
+        return self._added(log_ratio).traction(x)
+
+    def pressure_difference_within(self, x, log_ratio):
+        """∫_{-x}^{x} of pressure_difference [stress x length]; odd in x."""
+        return self._added(log_ratio).traction_within(x)
+
+    def relative_displacement_difference(self, x, log_ratio):
+        """h_y(x, a) - h_y(x, s) [length], which is f - h_y(x, s) within the contact: bracket of (36), as in (35)."""
+        return self._added(log_ratio).relative_displacement(x)
+
+    def gradient_difference(self, x, log_ratio):
+        """Derivative of relative_displacement_difference [1]; odd in x."""
+        return self._added(log_ratio).relative_displacement_gradient(x)
+
+    def indentation_difference(self, log_ratio):
+        """delta_y(P) - delta_y(e^log_ratio P) [length], bracket of (40). k > 0 only."""
+        return self._added(log_ratio).rigid_displacement
+
+    def slip_work(self, log_ratio):
+        """8 ∫_s^a p(x, a) [f(x) - h_y(x, s)] dx [stress x length²]: (52) over mu² alpha.
+
+        As a double integral over punches (27)-(31) it is, by reciprocity, one over the load P(s') alone:
+        4 D ∫_s^a [P(a) - P(s')] [P(s') - P(s)] s'^(-k-1) ds' with D = (bk) y0^k/E0 Γ((2+k)/2)Γ((1-k)/2)/√π.
+        """
+        k, added = self.solid.k, self._added(log_ratio)
+        t, rest, weight = two_sided_rule(1.0, 1.0, 64)
+        s = added.start + added.width * t
+
+        below = np.array([replace(added, a=si, width=added.width * ti).load for si, ti in zip(s, t, strict=True)])
+        above = np.array([replace(added, start=si, width=added.width * ri).load for si, ri in zip(s, rest, strict=True)])
+        integral = added.width * (weight @ (above * below * s ** (-k - 1) / (t * rest)))
+        return 4 * self.solid.normal_compliance * punch_rigid_factor(k) * integral
+
+    # -- tangential loading ----------------------------------------------------------------------------------------
+
+    def partial_slip(self, mu, Q=None, z=None):
+        """State under a tangential load Q, |Q| < mu P, applied monotonically; z = 1 - Q/(mu P) instead of Q near full slip."""
+        return PartialSlip.from_load(self, mu, Q, z)
+
+    def fretting(self, mu, Q_A=None, z=None):
+        """Loop between Q_A and -Q_A, 0 <= Q_A < mu P, at constant P; z = 1 - Q_A/(mu P) instead of Q_A near full slip."""
+        return FrettingLoop.from_load(self, mu, Q_A, z)
+
+    def _added(self, log_ratio):
+        """Punches between s and a, with the width a - s as accurate as s itself."""
+        whole = self.a - self.profile.flat
+        fraction = -expm1(log_ratio)
+
+        def punches(start, width):
+            return PunchSuperposition(
+                self.solid.k, self.solid.normal_compliance, self.density, self.a, start, power=0.0, width=width
+            )
+
+        if fraction == 0:
+            return punches(self.a, 0.0)
+        if fraction < 0.25 * min(1.0, self.profile.order + self.solid.k):
+            t = brentq(
+                lambda t: log(punches(self.a - whole * exp(t), whole * exp(t)).load / (self.P * fraction)),
+                log(fraction) - 5,
+                -1e-3,
+                xtol=1e-15,
+                rtol=1e-15,
+            )
+            return punches(self.a - whole * exp(t), whole * exp(t))
+        inner = ProfileContact.from_load(self.solid, self.profile, self.P * exp(log_ratio), self.a)
+        return punches(inner.a, self.a - inner.a)

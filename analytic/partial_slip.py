@@ -1,0 +1,114 @@
+"""Partial slip at constant normal load under a monotone tangential load: equations (25)-(36), (40) and (47)-(50).
+
+By the Ciavarella-Jäger theorem every tangential field is mu, or mu alpha, times a difference of two normal contacts: the
+actual one and the one whose half-width is the stick half-width c.
+"""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from .checks import require
+
+
+class NormalContact(Protocol):
+    """What partial slip needs of a normal contact; log_ratio = ln(P(s)/P) selects a smaller half-width s."""
+
+    P: float
+    a: float
+
+    def half_width(self, log_ratio):
+        """s [length]."""
+
+    def pressure_difference(self, x, log_ratio):
+        """p(x, a) - p(x, s) [stress]."""
+
+    def pressure_difference_within(self, x, log_ratio):
+        """Its integral from -x to x [stress x length]."""
+
+    def relative_displacement_difference(self, x, log_ratio):
+        """h_y(x, a) - h_y(x, s) [length]."""
+
+    def gradient_difference(self, x, log_ratio):
+        """Its derivative with respect to x [1]."""
+
+    def indentation_difference(self, log_ratio):
+        """delta_y(a) - delta_y(s) [length]; k > 0 only."""
+
+    def slip_work(self, log_ratio):
+        """8 ∫_s^a p(x, a) [f(x) - h_y(x, s)] dx [stress x length²]."""
+
+
+@dataclass(frozen=True)
+class PartialSlip:
+    """Stick for |x| < c and slip for c < |x| < a, (25), (26), after loading from 0 to Q at constant P.
+
+    log_ratio: ln(1 - |Q|/(mu P)), by (34) the logarithm of P(c)/P(a). sign: that of Q, and of all fields.
+    """
+
+    contact: NormalContact
+    mu: float
+    log_ratio: float
+    sign: float = 1.0
+
+    @classmethod
+    def from_load(cls, contact, mu, Q=None, z=None):
+        """State under Q, |Q| < mu P, or under the positive load given by z = 1 - Q/(mu P), 0 < z <= 1."""
+        require("mu", mu)
+        if (Q is None) == (z is None):
+            raise ValueError("give exactly one of the tangential load and z = 1 - Q/(mu P)")
+        if z is not None:
+            require("z", z, 0, 1, closed_high=True)
+            return cls(contact, mu, np.log(z))
+        limit = mu * contact.P
+        if not abs(Q) < limit:
+            raise ValueError(f"Q = {Q!r} is outside the admissible range |Q| < mu P = {limit!r}")
+        return cls(contact, mu, np.log1p(-abs(Q) / limit), float(np.copysign(1.0, Q)))
+
+    @property
+    def a(self):
+        """Contact half-width [length]."""
+        return self.contact.a
+
+    @property
+    def c(self):
+        """Stick half-width [length], from (34); (48) for the cylinder."""
+        return self.contact.half_width(self.log_ratio)
+
+    @property
+    def z(self):
+        """1 - |Q|/(mu P)."""
+        return np.exp(self.log_ratio)
+
+    @property
+    def Q(self):
+        """Tangential line load [stress x length], (34)."""
+        return -self.sign * self.mu * self.contact.P * np.expm1(self.log_ratio)
+
+    def traction(self, x):
+        """Tangential traction q(x) = mu [p(x,a) - p(x,c)] [stress], (33), (47)."""
+        return self.sign * self.mu * self.contact.pressure_difference(x, self.log_ratio)
+
+    def traction_within(self, x):
+        """∫_{-x}^{x} q dx [stress x length]; odd in x, ±Q beyond ±a."""
+        return self.sign * self.mu * self.contact.pressure_difference_within(x, self.log_ratio)
+
+    def slip(self, x):
+        """Slip h_x(x) = mu alpha [f(x) - h_y(x,c)] [length], zero in the stick zone, (36), (50).
+
+        For |x| > a, where f is replaced by h_y(x,a), it is the displacement of the free surface relative to the stick zone, (21).
+        """
+        return self._shift(self.contact.relative_displacement_difference(x, self.log_ratio))
+
+    def slip_gradient(self, x):
+        """dh_x/dx [1], [X3]; odd in x."""
+        return self._shift(self.contact.gradient_difference(x, self.log_ratio))
+
+    @property
+    def rigid_shift(self):
+        """Displacement delta_x of the stick zone [length], (40), (49). k > 0 only."""
+        return self._shift(self.contact.indentation_difference(self.log_ratio))
+
+    def _shift(self, normal_displacement):
+        return self.sign * self.mu * self.contact.solid.alpha * normal_displacement

@@ -1,0 +1,224 @@
+"""The condensed Newton step: the contact forces and the rigid motion of the cylinder, nothing else.
+
+With theta = 0 and integration at the nodes only the surface nodes are loaded, and the body is linear. Its
+response W to unit forces is computed once; then u = U load + W f, and Newton's method runs on the dense system
+
+    f - f_contact(u(f), delta) = 0,    sum of f = (Q, P).
+
+The contact forces and their tangent are assembled from the same forms as in the full method, on the strip only.
+"""
+
+import numpy as np
+from dolfinx import fem
+from petsc4py import PETSc
+from scipy.linalg import lapack
+
+from .newton import with_defaults
+from .problem import X, Y, ContactProblem, HalfPlane
+
+OPTIONS = {
+    "ksp_type": "preonly",
+    "pc_type": "cholesky",
+    "pc_factor_mat_solver_type": "mumps",
+    "mat_mumps_icntl_7": 6,  # QAMD ordering: beats the automatic choice on graded meshes
+    "mat_mumps_icntl_14": 60,  # working space, per cent
+}
+BLOCK = 128  # right-hand sides solved at once
+
+
+class Compliance:
+    """Response of the strip to unit nodal forces on the surface and to unit line loads in the far field.
+
+    Rows are the local (owned and ghost) dofs of the strip cells, columns the surface nodes sorted by x.
+    """
+
+    def __init__(self, body: HalfPlane, prefix: str = "fretting_bulk_"):
+        self.body, self.comm = body, body.mesh.comm
+        matrix = body.constrained_stiffness
+        matrix.setOption(PETSc.Mat.Option.SPD, True)
+        self._ksp = PETSc.KSP().create(self.comm)
+        self._ksp.setOptionsPrefix(prefix)
+        self._ksp.setOperators(matrix)
+        with_defaults(prefix, OPTIONS, self._ksp.setFromOptions)
+
+        dofmap = body.space.dofmap
+        self._owned = dofmap.index_map.size_local
+        nodes = fem.locate_dofs_topological(body.space, 1, body.strip)
+        self.surface = nodes[nodes < self._owned]  # owned surface nodes
+        x = body.space.tabulate_dof_coordinates()[self.surface, 0]
+        self._counts = self.comm.allgather(len(x))
+        self.order = np.argsort(np.concatenate(self.comm.allgather(x)))
+        self.n = len(self.order)
+        strip_nodes = np.unique(dofmap.list[body.strip_cells]) if len(body.strip_cells) else np.zeros(0, int)
+        self.strip_dofs = np.stack([2 * strip_nodes, 2 * strip_nodes + 1], axis=1).ravel()
+        self._columns: dict[int, np.ndarray] = {}
+        self._field = fem.Function(body.space)
+        self.far = np.stack([self._far_response(i) for i in (X, Y)], axis=1)
+
+    def column(self, direction: int) -> np.ndarray:
+        """(strip dofs, n) response to unit forces along ``direction``; computed when first asked for."""
+        if direction not in self._columns:
+            self._columns[direction] = self._respond(direction)
+        return self._columns[direction]
+
+    def collect(self, owned: np.ndarray) -> np.ndarray:
+        """Rows (n, ...) sorted by x, on every rank, from those of the owned surface nodes."""
+        return np.concatenate(self.comm.allgather(owned))[self.order]
+
+    def own(self, rows: np.ndarray) -> np.ndarray:
+        """The inverse of ``collect``."""
+        start = sum(self._counts[: self.comm.rank])
+        unsorted = np.empty_like(rows)
+        unsorted[self.order] = rows
+        return unsorted[start : start + len(self.surface)]
+
+    def displacement(self, load, forces: dict[int, np.ndarray]):
+        """The whole displacement field (owned dofs) under nodal forces (n,) by direction: one back-substitution."""
+        self.body.set_far_field(load)
+        b = self.body.constrained_stiffness.createVecLeft()
+        self._lift(b)
+        for direction, values in forces.items():
+            b.array[2 * self.surface + direction] += self.own(values)
+        x = b.duplicate()
+        self._ksp.solve(b, x)
+        return x.array_r
+
+    def _on_strip(self, owned):
+        """Values of the strip dofs, ghosts included, from those of the owned dofs."""
+        self._field.x.array[: len(owned)] = owned
+        self._field.x.scatter_forward()
+        return self._field.x.array[self.strip_dofs]
+
+    def _lift(self, b):
+        """b = - K u_far in the body, u_far on the outer boundary."""
+        body = self.body
+        body.stiffness.mult(body.far_value.x.petsc_vec, b)
+        b.scale(-1.0)
+        fem.petsc.set_bc(b, [body.boundary_condition])
+
+    def _far_response(self, direction):
+        load = [0.0, 0.0]
+        load[direction] = 1.0
+        return self._on_strip(self.displacement(load, {}))
+
+    def _respond(self, direction):
+        """Solve for all unit forces along ``direction``, BLOCK at a time."""
+        response = np.empty((len(self.strip_dofs), self.n))
+        rows = self.body.constrained_stiffness.getLocalSize()[0]
+        rank_of = np.concatenate([[rank] * count for rank, count in enumerate(self._counts)]).astype(int)
+        first = np.concatenate([[0], np.cumsum(self._counts)])[self.comm.rank]
+        for start in range(0, self.n, BLOCK):
+            chosen = self.order[start : start + BLOCK]
+            b = PETSc.Mat().createDense(((rows, None), (None, len(chosen))), comm=self.comm)
+            b.setUp()
+            mine = np.flatnonzero(rank_of[chosen] == self.comm.rank)
+            local = b.getDenseArray()
+            local[2 * self.surface[chosen[mine] - first] + direction, mine] = 1.0
+            b.assemble()
+            x = b.duplicate()
+            self._ksp.matSolve(b, x)
+            solved = x.getDenseArray()
+            for i in range(len(chosen)):
+                response[:, start + i] = self._on_strip(solved[:, i])
+            b.destroy()
+            x.destroy()
+        return response
+
+
+class CondensedSystem:
+    """Unknowns: nodal forces, direction by direction, then delta; all on rank 0, mirrored to the others."""
+
+    def __init__(self, problem: ContactProblem, compliance: Compliance):
+        self.problem, self.compliance = problem, compliance
+        self._rigid = list(problem.directions)
+        self._comm = compliance.comm
+        self._load = np.zeros(2)
+        n, m = compliance.n, len(self._rigid)
+        self.size = m * n + m
+        self._response = np.hstack([compliance.column(i) for i in self._rigid])
+        sums = np.kron(np.eye(m), np.ones(n))
+        self._linear = np.block([[np.eye(m * n), np.zeros((m * n, m))], [sums, np.zeros((m, m))]])
+        # Displacement of the strip beyond that of the forces: what a new load has not yet moved. The first
+        # step removes it, so that the contact states it starts from are those of the fields, not of a jump.
+        self._offset = np.zeros(len(compliance.strip_dofs))
+
+    def create_vector(self) -> PETSc.Vec:
+        """A vector of the unknowns."""
+        return PETSc.Vec().createMPI((self.size if self._comm.rank == 0 else 0, None), comm=self._comm)
+
+    def begin(self, load, x):
+        """Prescribe the line loads and fill ``x`` with the forces of the present state."""
+        self._load = np.asarray(load)
+        forces, body = self._contact_forces(), self.problem.body
+        self._offset = body.u.x.array[self.compliance.strip_dofs] - self._displacement(forces)
+        self._put(np.concatenate([forces, body.delta.value[self._rigid]]), x)
+
+    def residual(self, x, f) -> tuple[float, float]:
+        """Fill ``f``; return the norm of the force residual and the largest load imbalance."""
+        forces, rigid = self._get(x)
+        self._show(forces, rigid)
+        force = forces - self._contact_forces()
+        imbalance = forces.reshape(len(rigid), -1).sum(axis=1) - self._load[self._rigid]
+        self._put(np.concatenate([force, imbalance]), f)
+        return float(np.linalg.norm(force)), float(np.abs(imbalance).max())
+
+    def linearise(self, x):
+        """Assemble the contact tangent on the strip and factorise the dense system on rank 0."""
+        self._show(*self._get(x))
+        compliance, n = self.compliance, self.compliance.n
+        tangent = self.problem.force_tangent().tocsr()  # minus d(contact forces)/du, local rows and columns
+        dofs = compliance.strip_dofs
+        rows, removed = [], []
+        for i in self._rigid:
+            strip = tangent[2 * compliance.surface + i][:, dofs]
+            rigid = np.stack([strip[:, (dofs % 2) == j].sum(axis=1).A1 for j in self._rigid], axis=1)
+            rows.append(compliance.collect(np.hstack([strip @ self._response, -rigid])))
+            removed.append(compliance.collect(-strip @ self._offset))
+        self._removed = np.concatenate([*removed, np.zeros(len(rows))])
+        if self._comm.rank == 0:
+            self._jacobian = self._linear.copy()
+            self._jacobian[: len(rows) * n] += np.vstack(rows)
+            self._lu, self._pivots, self._singular = lapack.dgetrf(self._jacobian)
+
+    def solve(self, b, x):
+        """x = J^-1 b; nan where the cylinder is free to move (every point slips)."""
+        if self._comm.rank == 0:
+            step, _ = lapack.dgetrs(self._lu, self._pivots, b.array_r + self._removed)
+            x.array[:] = np.nan if self._singular else step
+        self._offset[:] = 0.0
+
+    def multiply(self, x, y):
+        """y = J x."""
+        if self._comm.rank == 0:
+            y.array[:] = self._jacobian @ x.array_r
+
+    def finish(self, x):
+        """Leave the whole state ``x`` in the problem's fields: one back-substitution."""
+        forces, rigid = self._get(x)
+        by_direction = dict(zip(self._rigid, forces.reshape(len(rigid), -1)))
+        body = self.problem.body
+        body.delta.value[self._rigid] = rigid
+        displacement = self.compliance.displacement(self._load, by_direction)
+        body.u.x.array[: len(displacement)] = displacement
+        body.u.x.scatter_forward()
+
+    def _show(self, forces, rigid):
+        """Displacements of the strip under ``forces``, and the rigid motion, into the problem's fields."""
+        body = self.problem.body
+        body.delta.value[self._rigid] = rigid
+        body.u.x.array[self.compliance.strip_dofs] = self._displacement(forces) + self._offset
+
+    def _displacement(self, forces):
+        return self.compliance.far @ self._load + self._response @ forces
+
+    def _contact_forces(self):
+        forces = (self.problem.nodal_forces(i)[self.compliance.surface] for i in self._rigid)
+        return np.concatenate([self.compliance.collect(f) for f in forces])
+
+    def _get(self, x):
+        values = self._comm.bcast(x.array_r.copy() if self._comm.rank == 0 else None)
+        return np.split(values, [self.size - len(self._rigid)])
+
+    def _put(self, values, x):
+        if self._comm.rank == 0:
+            x.array[:] = values
