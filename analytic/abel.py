@@ -13,7 +13,12 @@ from scipy.special import betainc
 
 from .checks import require_positive_k
 from .quadrature import nodes_for, one_sided_rule, two_sided_rule
-from .special import punch_displacement, punch_gradient, punch_relative_displacement, punch_rigid_displacement
+from .special import (
+    punch_displacement,
+    punch_gradient,
+    punch_relative_displacement,
+    punch_rigid_displacement,
+)
 
 BLOCK = 64  # points per block, which bounds the memory of points x nodes x nodes
 
@@ -55,7 +60,11 @@ class PunchSuperposition:
 
     def traction(self, x):
         """Pressure p (7) or traction q (18) [stress]; zero for |x| >= a, infinite under a sharp tip."""
-        return gamma(1 + self.k / 2) / (sqrt(pi) * gamma((1 + self.k) / 2)) * by_blocks(self._traction, x)
+        return (
+            gamma(1 + self.k / 2)
+            / (sqrt(pi) * gamma((1 + self.k) / 2))
+            * by_blocks(self._traction, x)
+        )
 
     def traction_within(self, x):
         """∫_{-x}^{x} of the traction [stress x length]; odd in x."""
@@ -89,17 +98,23 @@ class PunchSuperposition:
 
     def _traction_within(self, x):
         result = np.where(x < self.a, 0.0, self.load)
-        part = (self._beyond_start(x) > 0) & (x < self.a)
-        result[part] += self._load_up_to(x[part, None])
-        part = (x > 0) & (x < self.a)
-        result[part] += self._load_of_wider(x[part, None])
+        edge = (x > max(self.start, self.a / 2)) & (x < self.a)
+        result[edge] = self.load - self._load_of_wider(x[edge, None], beyond_x=True)
+        rest = (x > 0) & (x < self.a) & ~edge
+        result[rest] = self._load_of_wider(x[rest, None])
+        inner = rest & (self._beyond_start(x) > 0)
+        result[inner] += self._load_up_to(x[inner, None])
         return result
 
     def _relative_displacement(self, x):
         result = np.zeros_like(x)
         part = (self._beyond_start(x) > 0) & (x <= self.a)
-        result[part] = self._inside(x[part, None], punch_relative_displacement, min(self.k, 0.0), (1 - self.k) / 2)
-        result[x > self.a] = self._outside(x[x > self.a, None], punch_relative_displacement, min(self.k, 0.0))
+        result[part] = self._inside(
+            x[part, None], punch_relative_displacement, min(self.k, 0.0), (1 - self.k) / 2
+        )
+        result[x > self.a] = self._outside(
+            x[x > self.a, None], punch_relative_displacement, min(self.k, 0.0)
+        )
         return result
 
     def _displacement(self, x):
@@ -126,7 +141,10 @@ class PunchSuperposition:
         left = self.power + (exponent if self.start == 0 else 0.0)
         t, rest, weight = two_sided_rule(left, self.edge_power, nodes_for(0))
         s, edge = self.start + self.width * t, self.width * rest
-        return float(self.width * (weight @ (self.density(s, edge) * s**exponent * t**-left * rest**-self.edge_power)))
+        return float(
+            self.width
+            * (weight @ (self.density(s, edge) * s**exponent * t**-left * rest**-self.edge_power))
+        )
 
     def _traction_from_x(self, x):
         """∫_x^a n (s²-x²)^((k-1)/2) ds with s = x cosh(theta), which puts theta^k at the lower end."""
@@ -134,7 +152,11 @@ class PunchSuperposition:
         t, rest, weight = two_sided_rule(self.k, self.edge_power, nodes_for(span))
         theta = span * t
         edge = 2 * x * np.sinh(span * (1 + t) / 2) * np.sinh(span * rest / 2)
-        smooth = self.density(x * np.cosh(theta), edge) * (x * np.sinh(theta) / t) ** self.k * rest**-self.edge_power
+        smooth = (
+            self.density(x * np.cosh(theta), edge)
+            * (x * np.sinh(theta) / t) ** self.k
+            * rest**-self.edge_power
+        )
         return span[:, 0] * (smooth @ weight)
 
     def _traction_from_start(self, x):
@@ -146,19 +168,25 @@ class PunchSuperposition:
         u = whole * np.exp(-span * rest)
         s = np.sqrt(x**2 + u)
         edge = -whole * np.expm1(-span * rest) / (self.a + s)
-        smooth = self.density(s, edge) * u ** ((1 + self.k) / 2) / (2 * s) * t**-self.power * rest**-self.edge_power
+        smooth = (
+            self.density(s, edge)
+            * u ** ((1 + self.k) / 2)
+            / (2 * s)
+            * t**-self.power
+            * rest**-self.edge_power
+        )
         return span[:, 0] * (smooth @ weight)
 
     def _load_up_to(self, x):
-        """∫_start^x n s^k ds for x < a."""
+        """∫_start^x n s^k ds for x < a/2: punches inside x, which count with their whole load."""
         left = self.power + (self.k if self.start == 0 else 0.0)
         t, weight = one_sided_rule(left, nodes_for(0))
         span = self._beyond_start(x)
         s = self.start + span * t
         return span[:, 0] * ((self.density(s, self.a - s) * s**self.k * t**-left) @ weight)
 
-    def _load_of_wider(self, x):
-        """∫_max(x,start)^a n s^k I_{x²/s²}(1/2,(1+k)/2) ds over ln s: the share of each traction (12) that lies within x."""
+    def _load_of_wider(self, x, beyond_x=False):
+        """∫_max(x,start)^a n s^k I_{x²/s²}(1/2,(1+k)/2) ds over ln s: the part of each traction (12) within x, or beyond."""
         width = np.minimum(self.width, self.a - x)
         span = _log_ratio(width / self.a, self.a / np.maximum(x, self.start))
         left = self.power if self.start > 0 else 0.0
@@ -168,24 +196,55 @@ class PunchSuperposition:
         beyond = np.where(edge < self.a / 2, (self.a - x) - edge, s - x)
         y = np.maximum(beyond, 0) * (s + x) / s**2
         half = (1 + self.k) / 2
-        share = np.where(y < 0.5, 1 - betainc(half, 0.5, y), betainc(0.5, half, np.minimum(x / s, 1) ** 2))
-        smooth = self.density(s, edge) * s ** (1 + self.k) * share * t**-left * rest**-self.edge_power
+        if beyond_x:
+            share = betainc(half, 0.5, y)
+        else:
+            share = np.where(
+                y < 0.5, 1 - betainc(half, 0.5, y), betainc(0.5, half, np.minimum(x / s, 1) ** 2)
+            )
+        smooth = (
+            self.density(s, edge) * s ** (1 + self.k) * share * t**-left * rest**-self.edge_power
+        )
         return span[:, 0] * (smooth @ weight)
 
     def _inside(self, x, kernel, kernel_left, right):
         """∫_start^x n kernel(s/x) ds; the kernel is of order kernel_left at s = 0 and vanishes like (x-s)^right at x."""
-        if self.start == 0:
-            left = self.power + kernel_left
-            t, rest, weight = two_sided_rule(left, right, nodes_for(0))
-            s, distance, jacobian = x * t, x * rest, x
-        else:
-            left = self.power
-            span = _log_ratio(self._beyond_start(x) / x, x / self.start)
+        left = self.power + (kernel_left if self.start == 0 else 0.0)
+        beside = (self.edge_power != 0) & (x[:, 0] < self.a)
+        result = np.empty(x.shape[0])
+        for part, is_beside in ((~beside, False), (beside, True)):
+            column, edge_power = x[part], 0.0 if is_beside else self.edge_power
+            t, rest, s, distance, jacobian, weight = self._nodes_below(
+                column, left, right + edge_power, is_beside
+            )
+            values = self.density(s, self.a - column + distance) * kernel(
+                column, s, self.k, distance
+            )
+            result[part] = (values * jacobian * t**-left * rest ** -(right + edge_power)) @ weight
+        return result
+
+    def _nodes_below(self, x, left, right, beside_edge):
+        """Nodes s and x - s for start < s < x <= a."""
+        span = self._beyond_start(x)
+        if beside_edge:  # n is singular just beyond x: a - s = (a-x) e^phi
+            span = np.log1p(span / (self.a - x))
             t, rest, weight = two_sided_rule(left, right, nodes_for(span))
-            s, distance = x * np.exp(-span * rest), -x * np.expm1(-span * rest)
-            jacobian = span * s
-        values = kernel(x, s, self.k, distance)
-        return (self.density(s, self.a - x + distance) * values * jacobian * t**-left * rest**-right) @ weight
+            distance = (self.a - x) * np.expm1(span * rest)
+            return (
+                t,
+                rest,
+                self.start - self.width * np.expm1(-span * t),
+                distance,
+                span * (self.a - x + distance),
+                weight,
+            )
+        if self.start == 0:
+            t, rest, weight = two_sided_rule(left, right, nodes_for(0))
+            return t, rest, x * t, x * rest, x, weight
+        span = _log_ratio(span / x, x / self.start)  # s = x e^-theta
+        t, rest, weight = two_sided_rule(left, right, nodes_for(span))
+        s = x * np.exp(-span * rest)
+        return t, rest, s, -x * np.expm1(-span * rest), span * s, weight
 
     def _outside(self, x, kernel, kernel_left):
         """∫ n kernel(s/x) ds for x > a: over s below a/2; above over y = 1 - s²/x² = y_a e^theta, smooth for x -> a."""
@@ -195,7 +254,9 @@ class PunchSuperposition:
             left = self.power + (kernel_left if self.start == 0 else 0.0)
             t, weight = one_sided_rule(left, nodes_for(0))
             s = self.start + (middle - self.start) * t
-            result += (middle - self.start) * ((self.density(s, self.a - s) * kernel(x, s, self.k) * t**-left) @ weight)
+            result += (middle - self.start) * (
+                (self.density(s, self.a - s) * kernel(x, s, self.k) * t**-left) @ weight
+            )
         beside = (x - self.a) * (x + self.a)
         width, right = (self.width, self.power) if middle == self.start else (self.a / 2, 0.0)
         span = np.log1p(width * (2 * self.a - width) / beside)

@@ -13,7 +13,9 @@ def require(name, value, low=0.0, high=inf, *, closed_low=False, closed_high=Fal
     below = value <= high if closed_high else value < high
     if not (above and below and isfinite(value)):
         left, right = "<=" if closed_low else "<", "<=" if closed_high else "<"
-        raise ValueError(f"{name} = {value!r} is outside the admissible range {low} {left} {name} {right} {high}")
+        raise ValueError(
+            f"{name} = {value!r} is outside the admissible range {low} {left} {name} {right} {high}"
+        )
 
 
 def require_positive_k(k, quantity):

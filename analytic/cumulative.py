@@ -6,7 +6,9 @@ import numpy as np
 from scipy.special import beta as euler_beta
 from scipy.special import betainc
 
-TERMS = 80  # arguments of the series do not exceed 0.6, and 0.6^80 is below the resolution of binary64
+TERMS = (
+    80  # arguments of the series do not exceed 0.6, and 0.6^80 is below the resolution of binary64
+)
 NARROW = 0.9  # from this ratio of the half-widths on, the two loads are not subtracted
 
 
@@ -29,25 +31,27 @@ def load_fraction_difference(x, a, log_ratio, k):
     Outside the smaller half-width s = e^log_gamma a it is 1-z minus the tail. Inside, where the two loads nearly cancel for
     z -> 1, series with positive terms are summed: over (x/s)² in the middle, over 1 - x²/a² for the tail near s.
     """
-    x, log_ratio = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(log_ratio, dtype=float))
+    x, log_ratio = np.broadcast_arrays(
+        np.asarray(x, dtype=float), np.asarray(log_ratio, dtype=float)
+    )
     sign, x = np.sign(x), np.minimum(np.abs(x), a)
     log_gamma = log_ratio / (2 + k)
     half, to_edge = (3 + k) / 2, (a - x) / a
-    to_s = to_edge + np.expm1(log_gamma)
-    x = x / a
+    x, gamma = x / a, np.exp(log_gamma)
     y = to_edge * (1 + x)
+    to_s = np.where(gamma > 0.5, to_edge + np.expm1(log_gamma), gamma - x)
 
-    inner = x <= np.exp(log_gamma) / sqrt(2)
-    slip = ~inner & (to_s <= 0)
-    narrow = ~inner & ~slip & (log_gamma > np.log(NARROW))
-    wide = ~(inner | slip | narrow)
+    inner = x <= gamma / sqrt(2)
+    outer = (to_s <= 0) & (x > 0.7)
+    narrow = ~(inner | outer) & (gamma > NARROW)
+    wide = ~(inner | outer | narrow)
 
-    result = -np.expm1(log_ratio)
+    result = np.array(-np.expm1(log_ratio))
     result[inner] = _middle(x[inner], log_gamma[inner], k)
-    result[slip] -= betainc(half, 0.5, y[slip])
+    result[outer] -= betainc(half, 0.5, y[outer])
     result[narrow] -= _narrow_tail(x[narrow], y[narrow], to_s[narrow], log_gamma[narrow], k)
-    smaller = np.minimum(x[wide] * np.exp(-log_gamma[wide]), 1)
-    result[wide] = betainc(0.5, half, x[wide] ** 2) - np.exp(log_ratio[wide]) * betainc(0.5, half, smaller**2)
+    smaller = np.exp(log_ratio[wide]) * beta_fraction(x[wide], gamma[wide], half)
+    result[wide] = beta_fraction(x[wide], 1.0, half) - smaller
     return (sign * result)[()]
 
 
@@ -68,11 +72,18 @@ def _narrow_tail(x, y, to_s, log_gamma, k):
     half = (3 + k) / 2
     gamma = np.exp(log_gamma)
     lost = -np.expm1(2 * log_gamma) / y
-    log_depth = np.where(lost < 0.5, np.log1p(-np.minimum(lost, 0.5)), np.log(to_s * (gamma + x) / y))
+    log_depth = np.where(
+        lost < 0.5, np.log1p(-np.minimum(lost, 0.5)), np.log(to_s * (gamma + x) / y)
+    )
     power, coefficient, total = y**half, 1.0, np.zeros_like(y)
     for n in range(TERMS):
         if n:
             coefficient *= (n - 0.5) / n
             power = power * y
-        total -= coefficient / (half + n) * power * np.expm1((2 + k) * log_gamma + (half + n) * (log_depth - 2 * log_gamma))
+        total -= (
+            coefficient
+            / (half + n)
+            * power
+            * np.expm1((2 + k) * log_gamma + (half + n) * (log_depth - 2 * log_gamma))
+        )
     return total / euler_beta(half, 0.5)

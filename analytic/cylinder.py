@@ -41,7 +41,15 @@ class CylinderContact:
     def a(self):
         """Contact half-width [length], from (43)."""
         k = self.solid.k
-        power = 2 * self.R * self.P * self.solid.normal_compliance * gamma((4 + k) / 2) * gamma((1 - k) / 2) / sqrt(pi)
+        power = (
+            2
+            * self.R
+            * self.P
+            * self.solid.normal_compliance
+            * gamma((4 + k) / 2)
+            * gamma((1 - k) / 2)
+            / sqrt(pi)
+        )
         return power ** (1 / (2 + k))
 
     @cached_property
@@ -104,7 +112,11 @@ class CylinderContact:
         x = np.abs(np.asarray(x, dtype=float))
         inside = x <= self.a
         beside = np.where(inside, self.a, x)
-        return np.where(inside, indentation - self.profile(x), self.profile(x) * parabolic_displacement(beside, self.a, k))[()]
+        return np.where(
+            inside,
+            indentation - self.profile(x),
+            self.profile(x) * parabolic_displacement(beside, self.a, k),
+        )[()]
 
     # -- difference to the same contact under the load e^log_ratio P, without cancellation for log_ratio -> 0 --------
 
@@ -114,7 +126,9 @@ class CylinderContact:
 
     def _inner(self, x, log_ratio):
         """|x|, s, s - |x| and a - s; the last two without the rounding error of s."""
-        x, log_ratio = np.broadcast_arrays(np.abs(np.asarray(x, dtype=float)), np.asarray(log_ratio, dtype=float))
+        x, log_ratio = np.broadcast_arrays(
+            np.abs(np.asarray(x, dtype=float)), np.asarray(log_ratio, dtype=float)
+        )
         s = self.half_width(log_ratio)
         width = -self.a * np.expm1(log_ratio / (2 + self.solid.k))
         return x, s, np.where(width < self.a / 2, (self.a - x) - width, s - x), width
@@ -127,7 +141,8 @@ class CylinderContact:
         x, s, to_s, width = x[stick], s[stick], to_s[stick], width[stick]
         whole = (self.a - x) * (self.a + x)
         lost = width * (self.a + s) / whole  # (a² - s²)/(a² - x²)
-        log_depth = np.where(lost < 0.5, np.log1p(-np.minimum(lost, 0.5)), np.log(to_s * (s + x) / whole))
+        direct = np.log(to_s / (self.a - x)) + np.log((s + x) / (self.a + x))
+        log_depth = np.where(lost < 0.5, np.log1p(-np.minimum(lost, 0.5)), direct)
         result[stick] *= -np.expm1((1 + self.solid.k) / 2 * log_depth)
         return result[()]
 
@@ -138,13 +153,20 @@ class CylinderContact:
     def relative_displacement_difference(self, x, log_ratio):
         """h_y(x, a) - h_y(x, s) [length], which is f - h_y(x, s) within the contact: bracket of (36), as [X2]."""
         x, s, to_s, _ = self._inner(x, log_ratio)
-        return self.profile(x) * (parabolic_gap(x, s, self.solid.k, -to_s) - parabolic_gap(x, self.a, self.solid.k))
+        return self.profile(x) * (
+            parabolic_gap(x, s, self.solid.k, -to_s) - parabolic_gap(x, self.a, self.solid.k)
+        )
 
     def gradient_difference(self, x, log_ratio):
         """Derivative of relative_displacement_difference [1], [X3]; odd in x."""
         sign, k = np.sign(x), self.solid.k
         x, s, to_s, _ = self._inner(x, log_ratio)
-        return sign * x / self.R * (parabolic_gap_slope(x, s, k, -to_s) - parabolic_gap_slope(x, self.a, k))
+        return (
+            sign
+            * x
+            / self.R
+            * (parabolic_gap_slope(x, s, k, -to_s) - parabolic_gap_slope(x, self.a, k))
+        )
 
     def indentation_difference(self, log_ratio):
         """delta_y(a) - delta_y(s) [length], bracket of (40) and (49). k > 0 only."""
@@ -161,7 +183,9 @@ class CylinderContact:
         n = np.arange(1, 10)
         factorial = np.cumprod(2 * n * (2 * n + 1.0))
         series = sum((u**i - v**i) / f for i, f in zip(n, factorial, strict=True))
-        return 2 * self.P * self.a**2 / self.R * np.where(U < 1, L * np.exp(-U) * series, printed)[()]
+        return (
+            2 * self.P * self.a**2 / self.R * np.where(U < 1, L * np.exp(-U) * series, printed)[()]
+        )
 
     # -- tangential loading ----------------------------------------------------------------------------------------
 

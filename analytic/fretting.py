@@ -6,7 +6,9 @@ import numpy as np
 
 from .partial_slip import PartialSlip
 
-ROUND_OFF = 1e-14  # a load this close (relative to Q_A) beyond the end of a branch is taken as the end
+ROUND_OFF = (
+    1e-14  # a load this close (relative to Q_A) beyond the end of a branch is taken as the end
+)
 
 
 @dataclass(frozen=True)
@@ -57,11 +59,13 @@ class FrettingLoop:
     @property
     def dissipated_energy(self):
         """Energy dissipated per cycle and unit thickness, 8 ∫_c^a q h_x dx [stress x length²], (52), [X4]."""
-        return self.mu**2 * self.contact.solid.alpha * self.contact.slip_work(self.amplitude.log_ratio)
+        return (
+            self.mu**2 * self.contact.solid.alpha * self.contact.slip_work(self.amplitude.log_ratio)
+        )
 
     def active_half_width(self, Q, branch):
         """Half-width d of the zone that has stuck since the last turn of the load [length], c <= d <= a, [X5]."""
-        return self.contact.half_width(self._last_slip(Q, branch)[0])
+        return self._step(Q, branch).c
 
     def traction(self, x, Q, branch):
         """Tangential traction [stress] at the load Q on a branch 'initial', 'unloading' or 'reloading', [X5]."""
@@ -80,27 +84,28 @@ class FrettingLoop:
         return self._state(Q, branch, lambda state: state.rigid_shift)
 
     def _state(self, Q, branch, field):
-        """Field at Q: that of monotone loading, or that of the last turn plus twice the field of the load step since."""
-        log_ratio, sign = self._last_slip(Q, branch)
-        step = PartialSlip(self.contact, self.mu, log_ratio, sign)
+        """Field at Q: that of the last turn of the load plus twice the field of half the step since."""
+        step = self._step(Q, branch)
         if branch == "initial":
             return field(step)
-        return -sign * field(self.amplitude) + 2 * field(step)
+        turn = 1 if branch == "unloading" else -1
+        return turn * field(self.amplitude) + 2 * field(step)
 
-    def _last_slip(self, Q, branch):
-        """ln(P(d)/P) of the load step since the last turn, and the direction of its slip."""
+    def _step(self, Q, branch):
+        """Partial slip under Q on the initial branch, else under half the load step since the last turn."""
         Q_A = self.Q_A
         branches = {"initial": (0.0, Q_A), "unloading": (Q_A, -Q_A), "reloading": (-Q_A, Q_A)}
         if branch not in branches:
             raise ValueError(f"branch = {branch!r} is not one of {tuple(branches)}")
         start, end = branches[branch]
         low, high = min(start, end), max(start, end)
-        Q, margin = np.asarray(Q, dtype=float), ROUND_OFF * Q_A
+        Q, margin = np.asarray(Q, dtype=float)[()], ROUND_OFF * Q_A
         if not np.all((Q >= low - margin) & (Q <= high + margin)):
-            raise ValueError(f"Q = {Q[()]!r} is outside the {branch} branch {low!r} <= Q <= {high!r}")
+            raise ValueError(f"Q = {Q!r} is outside the {branch} branch, {low!r} <= Q <= {high!r}")
         Q = np.clip(Q, low, high)
-        scale = (1 if branch == "initial" else 2) * self.mu * self.contact.P
-        step = np.abs(Q - start) / scale
-        # 1 - step loses digits where the loop nearly slides; z and the load still to come do not
-        rest = self.amplitude.z + np.abs(end - Q) / scale
-        return np.where(step < 0.5, np.log1p(-np.minimum(step, 0.5)), np.log(rest))[()], -1.0 if branch == "unloading" else 1.0
+        share = 1 if branch == "initial" else 0.5
+        limit, step = self.mu * self.contact.P, share * (Q - start)
+        # 1 - |step|/limit loses digits where the loop nearly slides; z and the load still to come do not
+        ratio, rest = np.abs(step) / limit, self.amplitude.z + share * np.abs(end - Q) / limit
+        log_ratio = np.where(ratio < 0.5, np.log1p(-np.minimum(ratio, 0.5)), np.log(rest))[()]
+        return PartialSlip(self.contact, self.mu, step, log_ratio)

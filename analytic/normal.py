@@ -61,13 +61,20 @@ class ProfileContact:
     def P(self):
         """Line load [stress x length], (6), where the integral undoes the derivative in (5)."""
         k = self.solid.k
-        return float(abel_factor(k, self.solid.normal_compliance) * self.profile.abel_integral(self.a, k))
+        return float(
+            abel_factor(k, self.solid.normal_compliance) * self.profile.abel_integral(self.a, k)
+        )
 
     @cached_property
     def _punches(self):
         power = density_power(self.profile, self.solid.k)
         return PunchSuperposition(
-            self.solid.k, self.solid.normal_compliance, self.density, self.a, self.profile.flat, power
+            self.solid.k,
+            self.solid.normal_compliance,
+            self.density,
+            self.a,
+            self.profile.flat,
+            power,
         )
 
     def pressure(self, x):
@@ -82,7 +89,9 @@ class ProfileContact:
         """h_y(x) [length], (8): the profile itself within the contact, by the boundary condition that (5) solves."""
         x = np.abs(np.asarray(x, dtype=float))
         inside = np.minimum(x, self.a)
-        return np.where(x <= self.a, self.profile.height(inside), self._punches.relative_displacement(x))[()]
+        return np.where(
+            x <= self.a, self.profile.height(inside), self._punches.relative_displacement(x)
+        )[()]
 
     def displacement(self, x):
         """u_y(x) [length], (10). k > 0 only."""
@@ -130,8 +139,15 @@ class ProfileContact:
         t, rest, weight = two_sided_rule(1.0, 1.0, 64)
         s = added.start + added.width * t
 
-        below = np.array([replace(added, a=si, width=added.width * ti).load for si, ti in zip(s, t, strict=True)])
-        above = np.array([replace(added, start=si, width=added.width * ri).load for si, ri in zip(s, rest, strict=True)])
+        below = np.array(
+            [replace(added, a=si, width=added.width * ti).load for si, ti in zip(s, t, strict=True)]
+        )
+        above = np.array(
+            [
+                replace(added, start=si, width=added.width * ri).load
+                for si, ri in zip(s, rest, strict=True)
+            ]
+        )
         integral = added.width * (weight @ (above * below * s ** (-k - 1) / (t * rest)))
         return 4 * self.solid.normal_compliance * punch_rigid_factor(k) * integral
 
@@ -152,14 +168,22 @@ class ProfileContact:
 
         def punches(start, width):
             return PunchSuperposition(
-                self.solid.k, self.solid.normal_compliance, self.density, self.a, start, power=0.0, width=width
+                self.solid.k,
+                self.solid.normal_compliance,
+                self.density,
+                self.a,
+                start,
+                power=0.0,
+                width=width,
             )
 
         if fraction == 0:
             return punches(self.a, 0.0)
         if fraction < 0.25 * min(1.0, self.profile.order + self.solid.k):
             t = brentq(
-                lambda t: log(punches(self.a - whole * exp(t), whole * exp(t)).load / (self.P * fraction)),
+                lambda t: log(
+                    punches(self.a - whole * exp(t), whole * exp(t)).load / (self.P * fraction)
+                ),
                 log(fraction) - 5,
                 -1e-3,
                 xtol=1e-15,

@@ -5,6 +5,7 @@ actual one and the one whose half-width is the stick half-width c.
 """
 
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Protocol
 
 import numpy as np
@@ -42,15 +43,16 @@ class NormalContact(Protocol):
 
 @dataclass(frozen=True)
 class PartialSlip:
-    """Stick for |x| < c and slip for c < |x| < a, (25), (26), after loading from 0 to Q at constant P.
+    """Stick for |x| < c, slip for c < |x| < a, (25), (26), after loading from 0 to Q at constant P.
 
-    log_ratio: ln(1 - |Q|/(mu P)), by (34) the logarithm of P(c)/P(a). sign: that of Q, and of all fields.
+    Q: tangential line load [stress x length]. log_ratio: ln(1 - |Q|/(mu P)), which by (34) is the
+    logarithm of P(c)/P(a); it keeps the digits of Q near 0 and of mu P - Q near full slip.
     """
 
     contact: NormalContact
     mu: float
+    Q: float
     log_ratio: float
-    sign: float = 1.0
 
     @classmethod
     def from_load(cls, contact, mu, Q=None, z=None):
@@ -58,13 +60,14 @@ class PartialSlip:
         require("mu", mu)
         if (Q is None) == (z is None):
             raise ValueError("give exactly one of the tangential load and z = 1 - Q/(mu P)")
+        limit = mu * contact.P
         if z is not None:
             require("z", z, 0, 1, closed_high=True)
-            return cls(contact, mu, np.log(z))
-        limit = mu * contact.P
-        if not abs(Q) < limit:
+            return cls(contact, mu, limit * (1 - z), np.log(z))
+        if not abs(Q) <= limit or (left := _exact_difference(mu, contact.P, abs(Q))) <= 0:
             raise ValueError(f"Q = {Q!r} is outside the admissible range |Q| < mu P = {limit!r}")
-        return cls(contact, mu, np.log1p(-abs(Q) / limit), float(np.copysign(1.0, Q)))
+        ratio = abs(Q) / limit
+        return cls(contact, mu, Q, np.log1p(-ratio) if ratio < 0.5 else np.log(left / limit))
 
     @property
     def a(self):
@@ -81,18 +84,15 @@ class PartialSlip:
         """1 - |Q|/(mu P)."""
         return np.exp(self.log_ratio)
 
-    @property
-    def Q(self):
-        """Tangential line load [stress x length], (34)."""
-        return -self.sign * self.mu * self.contact.P * np.expm1(self.log_ratio)
-
     def traction(self, x):
         """Tangential traction q(x) = mu [p(x,a) - p(x,c)] [stress], (33), (47)."""
-        return self.sign * self.mu * self.contact.pressure_difference(x, self.log_ratio)
+        return self._direction * self.mu * self.contact.pressure_difference(x, self.log_ratio)
 
     def traction_within(self, x):
         """∫_{-x}^{x} q dx [stress x length]; odd in x, ±Q beyond ±a."""
-        return self.sign * self.mu * self.contact.pressure_difference_within(x, self.log_ratio)
+        return (
+            self._direction * self.mu * self.contact.pressure_difference_within(x, self.log_ratio)
+        )
 
     def slip(self, x):
         """Slip h_x(x) = mu alpha [f(x) - h_y(x,c)] [length], zero in the stick zone, (36), (50).
@@ -110,5 +110,14 @@ class PartialSlip:
         """Displacement delta_x of the stick zone [length], (40), (49). k > 0 only."""
         return self._shift(self.contact.indentation_difference(self.log_ratio))
 
+    @property
+    def _direction(self):
+        return np.copysign(1.0, self.Q)
+
     def _shift(self, normal_displacement):
-        return self.sign * self.mu * self.contact.solid.alpha * normal_displacement
+        return self._direction * self.mu * self.contact.solid.alpha * normal_displacement
+
+
+def _exact_difference(mu, P, Q):
+    """mu P - Q with a single rounding, however close to full slip."""
+    return float(Fraction(float(mu)) * Fraction(float(P)) - Fraction(float(Q)))

@@ -11,17 +11,20 @@ from .checks import require
 from .quadrature import two_sided_rule
 
 NODES = 48
+SMALLEST_WIDTH = 1e-20  # of s - flat over s where s rounds to flat
 
 
 @dataclass(frozen=True)
 class Profile:
-    """Even function f(x) with f(0) = 0, convex for an indenter, given by vectorised callables for x >= 0.
+    """Even function f(x), convex for an indenter, which vanishes for |x| <= flat and grows beyond.
 
-    height, slope, curvature: f [length], f', f'' [1/length]. flat: f = 0 for |x| <= flat [length].
-    order: f ~ (x - flat)^order there; order >= 1, and order > 1 if flat > 0, where a kink would need its own punch.
+    shape, slope, curvature: f [length], f' and f'' [1/length] as vectorised functions of the
+    distance u = |x| - flat >= 0 [length], which is |x| itself for a tip without flat.
+    order: f ~ u^order at u = 0; order >= 1, and order > 1 if flat > 0, where a kink would need a
+    punch of its own.
     """
 
-    height: Callable
+    shape: Callable
     slope: Callable
     curvature: Callable
     flat: float = 0.0
@@ -31,27 +34,37 @@ class Profile:
         require("flat", self.flat, closed_low=True)
         require("order", self.order, 1, closed_low=self.flat == 0)
 
+    def height(self, x):
+        """f(x) [length]."""
+        return self.shape(np.maximum(np.abs(x) - self.flat, 0.0))
+
     def abel_integral(self, s, k):
         """∫_0^s x f'(x) (s²-x²)^(-(1-k)/2) dx for s > flat."""
-        return s ** (1 + k) * self._weighted(s, k, lambda t, x: t * self.slope(x), 1.0 if self.flat == 0 else 0.0)
+
+        def integrand(t, x, u):
+            return t * self.slope(u)
+
+        return s ** (1 + k) * self._weighted(s, k, integrand, 1.0 if self.flat == 0 else 0.0)
 
     def abel_density(self, s, k):
         """s^-k d/ds of abel_integral, differentiated under the integral sign."""
 
-        def integrand(t, x):
-            return t * ((1 + k) * self.slope(x) + x * self.curvature(x))
+        def integrand(t, x, u):
+            return t * ((1 + k) * self.slope(u) + x * self.curvature(u))
 
-        return self._weighted(s, k, integrand, 1.0 if self.flat == 0 else min(self.order - 2, 0.0))
+        left = 1.0 if self.flat == 0 else min(self.order - 2, 0.0)
+        return self._weighted(s, k, integrand, left)
 
     def _weighted(self, s, k, integrand, left):
-        """∫_{flat/s}^1 integrand(t, s t) (1-t²)^((k-1)/2) dt; the integrand is of order left or higher at the lower end."""
+        """∫_{flat/s}^1 integrand (1-t²)^((k-1)/2) dt, x = s t; integrand ~ u^left or higher at 0."""
         s = np.asarray(s, dtype=float)[..., None]
-        low = self.flat / s
+        width = np.maximum(s - self.flat, SMALLEST_WIDTH * s)
         right = (k - 1) / 2
-        r, rest, weight = two_sided_rule(left, right, NODES)
-        t = low + (1 - low) * r
-        smooth = integrand(t, s * t) * (1 + t) ** right * r**-left
-        return (1 - low[..., 0]) ** ((1 + k) / 2) * (smooth @ weight)
+        r, _, weight = two_sided_rule(left, right, NODES)
+        u = width * r
+        x = self.flat + u
+        smooth = integrand(x / s, x, u) * (1 + x / s) ** right * r**-left
+        return (width / s)[..., 0] ** ((1 + k) / 2) * (smooth @ weight)
 
 
 @dataclass(frozen=True)
@@ -77,11 +90,24 @@ class PowerProfile:
 
     def abel_integral(self, s, k):
         """∫_0^s x f'(x) (s²-x²)^(-(1-k)/2) dx."""
-        return self.A * self.m * euler_beta((self.m + 1) / 2, (1 + k) / 2) / 2 * np.asarray(s) ** (self.m + k)
+        return (
+            self.A
+            * self.m
+            * euler_beta((self.m + 1) / 2, (1 + k) / 2)
+            / 2
+            * np.asarray(s) ** (self.m + k)
+        )
 
     def abel_density(self, s, k):
         """s^-k d/ds of abel_integral."""
-        return self.A * self.m * (self.m + k) * euler_beta((self.m + 1) / 2, (1 + k) / 2) / 2 * np.asarray(s) ** (self.m - 1)
+        return (
+            self.A
+            * self.m
+            * (self.m + k)
+            * euler_beta((self.m + 1) / 2, (1 + k) / 2)
+            / 2
+            * np.asarray(s) ** (self.m - 1)
+        )
 
 
 def abel_factor(k, compliance):

@@ -32,7 +32,10 @@ def two_sided_rule(left, right, n):
     t = np.concatenate([low / 2, 1 - high / 2])
     rest = np.concatenate([1 - low / 2, high / 2])
     weight = np.concatenate(
-        [low_weight / 2 ** (left + 1) * (1 - low / 2) ** right, high_weight / 2 ** (right + 1) * (1 - high / 2) ** left]
+        [
+            low_weight / 2 ** (left + 1) * (1 - low / 2) ** right,
+            high_weight / 2 ** (right + 1) * (1 - high / 2) ** left,
+        ]
     )
     return t, rest, weight
 

@@ -15,6 +15,7 @@ from scipy.special import beta as euler_beta
 from scipy.special import betainc
 from scipy.special import zeta
 
+SMALLEST = 1e-300  # of s/x, where only its logarithm still matters
 TERMS = 56  # arguments do not exceed 1/2, and 2^-56 is below the resolution of binary64
 
 
@@ -28,11 +29,23 @@ def punch_relative_displacement(x, s, k, distance=None):
     def near(y):
         return y**w * _series(_binomial(1 - h) / (np.arange(TERMS) + w), y) / 2
 
-    def far(z):
-        power = _regularised_power(z, h)
-        return (_beta_without_pole(k) - power - (1 + h * power) * z * _series(_binomial(1 - w)[1:] / (n + h), z)) / 2
+    def far(ratio):
+        z, power = ratio**2, _regularised_power(ratio, k)
+        return (
+            _beta_without_pole(k)
+            - power
+            - (1 + h * power) * z * _series(_binomial(1 - w)[1:] / (n + h), z)
+        ) / 2
 
-    return _by_zone(x, s, distance, near, far, at_edge=0.0, far_away=punch_rigid_displacement(k) if k > 0 else inf)
+    return _by_zone(
+        x,
+        s,
+        distance,
+        near,
+        far,
+        at_edge=0.0,
+        far_away=punch_rigid_displacement(k) if k > 0 else inf,
+    )
 
 
 def punch_displacement(x, s, k):
@@ -45,8 +58,8 @@ def punch_displacement(x, s, k):
     def near(y):
         return whole - y**w * _series(_binomial(1 - h) / (np.arange(TERMS) + w), y) / 2
 
-    def far(z):
-        return z**h * _series(_binomial(1 - w) / (np.arange(TERMS) + h), z) / 2
+    def far(ratio):
+        return ratio**k * _series(_binomial(1 - w) / (np.arange(TERMS) + h), ratio**2) / 2
 
     return _by_zone(x, s, None, near, far, at_edge=whole, far_away=0.0)
 
@@ -69,7 +82,15 @@ def punch_gradient(x, s, k, distance=None):
 
 def parabolic_gap(x, s, k, distance=None):
     """Phi(1 - s²/x²) of [X2]; 0 for x <= s. The gap beside a parabolic contact of half-width s is x²/(2R) Phi."""
-    return _by_zone(x, s, distance, lambda y: _phi(y, k), lambda z: 1 - _phi_complement(z, k), at_edge=0.0, far_away=1.0)
+    return _by_zone(
+        x,
+        s,
+        distance,
+        lambda y: _phi(y, k),
+        lambda t: 1 - _phi_complement(t, k),
+        at_edge=0.0,
+        far_away=1.0,
+    )
 
 
 def parabolic_gap_slope(x, s, k, distance=None):
@@ -78,12 +99,22 @@ def parabolic_gap_slope(x, s, k, distance=None):
     distance = x - s if distance is None else distance
     beside = distance > 0
     x_safe = np.where(beside, x, 1)
-    return betainc((1 - k) / 2, 1 + k / 2, np.where(beside, distance, 0) / x_safe * ((x + s) / x_safe))
+    return betainc(
+        (1 - k) / 2, 1 + k / 2, np.where(beside, distance, 0) / x_safe * ((x + s) / x_safe)
+    )
 
 
 def parabolic_relative_displacement(x, s, k):
     """1 - Phi(1 - s²/x²) of [X2], accurate also where it is small; 1 for x <= s. h_y of (45) over x²/(2R)."""
-    return _by_zone(x, s, None, lambda y: 1 - _phi(y, k), lambda z: _phi_complement(z, k), at_edge=1.0, far_away=0.0)
+    return _by_zone(
+        x,
+        s,
+        None,
+        lambda y: 1 - _phi(y, k),
+        lambda t: _phi_complement(t, k),
+        at_edge=1.0,
+        far_away=0.0,
+    )
 
 
 def parabolic_displacement(x, s, k):
@@ -93,8 +124,12 @@ def parabolic_displacement(x, s, k):
     def near(y):
         return (1 - y) / k - (1 - _phi(y, k))
 
-    def far(z):
-        return z ** (1 + h) * _series(_binomial(1 - w) / ((n + h) * (n + 1 + h)), z) / euler_beta(w, 1 + h)
+    def far(ratio):
+        return (
+            ratio ** (2 + k)
+            * _series(_binomial(1 - w) / ((n + h) * (n + 1 + h)), ratio**2)
+            / euler_beta(w, 1 + h)
+        )
 
     return _by_zone(x, s, None, near, far, at_edge=1 / k - 1, far_away=0.0)
 
@@ -103,20 +138,24 @@ def _phi(y, k):
     """Phi for y <= 1/2 by its hypergeometric series, all of whose terms are positive."""
     n = np.arange(1, TERMS)
     p, q, r = (1 - k) / 2, (2 - k) / 2, (5 - k) / 2
-    coefficients = np.concatenate([[1.0], np.cumprod((p + n - 1) * (q + n - 1) / ((r + n - 1) * n))])
-    return sqrt(pi) / (2 * gamma(r) * gamma(1 + k / 2)) * y ** ((3 - k) / 2) * _series(coefficients, y)
+    coefficients = np.concatenate(
+        [[1.0], np.cumprod((p + n - 1) * (q + n - 1) / ((r + n - 1) * n))]
+    )
+    return (
+        sqrt(pi) / (2 * gamma(r) * gamma(1 + k / 2)) * y ** ((3 - k) / 2) * _series(coefficients, y)
+    )
 
 
-def _phi_complement(z, k):
-    """1 - Phi for z < 1/2: the incomplete-beta form of [X2], integrated term by term and freed of its pole at k = 0."""
+def _phi_complement(ratio, k):
+    """1 - Phi for z = ratio² < 1/2: the incomplete-beta form of [X2], integrated term by term and freed of its pole at k = 0."""
     h, w, n = k / 2, (1 - k) / 2, np.arange(1, TERMS)
-    power = _regularised_power(z, h)
+    z, power = ratio**2, _regularised_power(ratio, k)
     tail = 1 / (1 + h) - z * _series(_binomial(1 - w)[1:] / ((n + h) * (n + 1 + h)), z)
     return z * (_beta_without_pole(k) - power + (1 + h * power) * tail) / euler_beta(w, 1 + h)
 
 
 def _by_zone(x, s, distance, near, far, at_edge, far_away):
-    """near(y) for y <= 1/2, far(z) for z < 1/2; the constants at_edge for x <= s and far_away for s = 0."""
+    """near(y) for y <= 1/2, far(s/x) for z < 1/2; the constants at_edge for x <= s and far_away for s = 0."""
     x, s = np.asarray(x, dtype=float), np.asarray(s, dtype=float)
     x, s, distance = np.broadcast_arrays(x, s, x - s if distance is None else distance)
     result = np.where(s == 0, far_away, at_edge)
@@ -127,7 +166,7 @@ def _by_zone(x, s, distance, near, far, at_edge, far_away):
     close = y <= 0.5
     value = np.empty_like(y)
     value[close] = near(y[close])
-    value[~close] = far((s[~close] / x[~close]) ** 2)
+    value[~close] = far(np.maximum(s[~close] / x[~close], SMALLEST))
     result[outside] = value
     return result[()]
 
@@ -147,10 +186,10 @@ def _binomial(q):
     return np.concatenate([[1.0], np.cumprod((q + n - 1) / n)])
 
 
-def _regularised_power(z, h):
-    """(z^h - 1)/h, which is ln z for h = 0."""
-    log_z = np.log(z)
-    return np.expm1(h * log_z) / h if h else log_z
+def _regularised_power(ratio, k):
+    """(z^h - 1)/h with z = ratio², which is ln z for k = 0."""
+    log_ratio = np.log(ratio)
+    return 2 * np.expm1(k * log_ratio) / k if k else 2 * log_ratio
 
 
 def _beta_without_pole(k):

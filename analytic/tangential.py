@@ -31,7 +31,12 @@ class UniformShift:
         k = self.solid.k
         x = np.abs(np.asarray(x, dtype=float))
         depth = np.where(x < self.a, (self.a - x) / self.a * ((self.a + x) / self.a), 1.0)
-        q = gamma(1 + k / 2) * self.Q / (sqrt(pi) * gamma((1 + k) / 2) * self.a) * depth ** ((k - 1) / 2)
+        q = (
+            gamma(1 + k / 2)
+            * self.Q
+            / (sqrt(pi) * gamma((1 + k) / 2) * self.a)
+            * depth ** ((k - 1) / 2)
+        )
         return np.where(x < self.a, q, np.where(x == self.a, np.copysign(np.inf, self.Q), 0.0))[()]
 
     def traction_within(self, x):
@@ -98,7 +103,9 @@ def from_traction(solid, factor: Callable, factor_slope: Callable, a, edge=0.0):
         y = 2 * s * np.sinh(span * (1 + t) / 2) * np.sinh(span * rest / 2) * (a + x) / a**2
         singular = y**right * rest**-right if edge > 0 else 1.0
         smooth = derivative(x, y) * singular * (s * np.sinh(span * t) / t) ** -k
-        at_edge = factor(np.full(shape, a)) * (distance * (a + s))[..., 0] ** -half if edge == 0 else 0.0
+        at_edge = (
+            factor(np.full(shape, a)) * (distance * (a + s))[..., 0] ** -half if edge == 0 else 0.0
+        )
         return 2 / punch_rigid_factor(k) * s[..., 0] * (at_edge - span[..., 0] * (smooth @ weight))
 
     return PunchSuperposition(k, solid.tangential_compliance, density, a, edge_power=edge - half)

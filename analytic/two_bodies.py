@@ -17,7 +17,9 @@ class GradedPair:
 
     def __post_init__(self):
         if self.first.k != self.second.k:
-            raise ValueError(f"k = {self.first.k!r} and k = {self.second.k!r}: both bodies must have the same exponent k")
+            raise ValueError(
+                f"k = {self.first.k!r} and k = {self.second.k!r}: both bodies must have the same exponent k"
+            )
 
     @property
     def k(self):

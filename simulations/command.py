@@ -122,6 +122,7 @@ def run(main: Callable[[list[str]], None]):
     except BaseException:
         traceback.print_exc()
         comm.Abort(1)
+    MPI.Finalize()  # of all ranks, before the first exits: mpirun takes a non-zero exit for a crash
     sys.exit(code)
 
 

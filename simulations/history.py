@@ -28,12 +28,12 @@ class Entry:
     @property
     def a(self) -> float:
         """Contact half-width."""
-        return (self.contact[1] - self.contact[0]) / 2
+        return float(self.contact[1] - self.contact[0]) / 2
 
     @property
     def c(self) -> float:
         """Stick half-width."""
-        return (self.stick[1] - self.stick[0]) / 2
+        return float(self.stick[1] - self.stick[0]) / 2
 
 
 @dataclass
@@ -82,4 +82,4 @@ class History:
         """Energy dissipated in the last cycle."""
         cycle = self.last_cycle
         start = self.entries[len(self.entries) - len(cycle) - 1]
-        return cycle[-1].dissipated - start.dissipated
+        return float(cycle[-1].dissipated - start.dissipated)

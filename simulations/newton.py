@@ -18,7 +18,7 @@ SNES_OPTIONS = {
     "ksp_type": "preonly",
 }
 FORCE_TOLERANCE = 1e-9  # force residual / P
-LOAD_TOLERANCE = 1e-10  # load imbalance / P
+LOAD_TOLERANCE = 1e-9  # load imbalance / P
 STEP_TOLERANCE = 1e-11  # a step this small (relative) ends the iteration if round-off holds the residual up ...
 ATTAINABLE = 1e-6  # ... below this
 

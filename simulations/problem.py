@@ -166,14 +166,14 @@ class ContactProblem:
         internal = self.body.stiffness.createVecLeft()
         self.body.stiffness.mult(self.body.u.x.petsc_vec, internal)
         internal.axpy(-1.0, self._vector(self._forces))
-        fem.petsc.set_bc(internal, [self.body.boundary_condition], x0=self.body.u.x.petsc_vec, alpha=-1.0)
+        fem_petsc.set_bc(internal, [self.body.boundary_condition], x0=self.body.u.x.petsc_vec, alpha=-1.0)
         total = np.array([self._sum(form) for form in self._resultants])
         return internal, total - np.array([load[i] for i in self.directions])
 
     def assemble_jacobian(self, matrix: PETSc.Mat):
         """Overwrite ``matrix`` with d(force residual)/du."""
         self.body.constrained_stiffness.copy(matrix, PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
-        fem_petsc.assemble_matrix(matrix, self._force_tangent)
+        fem_petsc.assemble_matrix(matrix, self._force_tangent, bcs=[self.body.boundary_condition])
         matrix.assemble()
 
     def force_tangent(self):
@@ -186,7 +186,10 @@ class ContactProblem:
     def borders(self):
         """Columns and rows (lists of Vec) and corner (m, m) that the rigid displacements add to the Jacobian."""
         corner = np.array([[self._sum(form) for form in row] for row in self._corner])
-        return [self._vector(f) for f in self._columns], [self._vector(f) for f in self._rows], corner
+        columns = [self._vector(form) for form in self._columns]
+        for column in columns:
+            fem_petsc.set_bc(column, [self.body.boundary_condition], alpha=0.0)
+        return columns, [self._vector(form) for form in self._rows], corner
 
     def nodal_forces(self, direction: int) -> np.ndarray:
         """Contact force along x (0) or y (1) on every owned dof of that direction, (n,)."""

@@ -10,6 +10,7 @@ DIGITS = 42
 mp.mp.dps = DIGITS + 40  # b, g and the kernel of (8) cancel to order k, i.e. 30 digits at k = 0
 
 EXPONENTS = [-0.99, -0.9, -0.5, -1e-3, -1e-8, -1e-12, 0.0, 1e-12, 1e-8, 1e-3, 0.5, 0.9, 0.99]
+SELECTED = [-0.99, -0.5, -1e-12, 0.0, 1e-8, 0.5, 0.99]  # for the slower integrals
 EPS = 2.0**-52
 
 
@@ -23,9 +24,9 @@ def nonzero(k):
     return mp.mpf(k) if k else mp.mpf("1e-30")
 
 
-def integrate(f, length, left=0, right=0):
-    """∫_0^length f(u, length-u) du to DIGITS digits, f ~ u^left and ~ (length-u)^right at the ends."""
-    with mp.workdps(DIGITS):
+def integrate(f, length, left=0, right=0, digits=DIGITS):
+    """∫_0^length f(u, length-u) du, f ~ u^left and ~ (length-u)^right at the ends."""
+    with mp.workdps(digits):
         half = mp.mpf(length) / 2
 
         def part(power, g):
@@ -40,14 +41,29 @@ def kernel_displacement(k, compliance, traction, x, a, edge):
 
     compliance = (bk) y0^k/E0 or (gk) y0^k/E0; traction(u, a - u) for u = |xi|, even, of order (a - u)^edge; 0 < x.
     """
-    total = 2 * integrate(lambda u, d: traction(u, d) * u**-k, a, left=-k, right=edge)
-    total -= integrate(lambda u, d: traction(u, d) * (x + u) ** -k, a, right=edge)
+    digits = mp.mp.dps  # the integrals cancel to order k
+
+    def part(f, length, left=0, right=0):
+        return integrate(f, length, left, right, digits)
+
+    total = 2 * part(lambda u, d: traction(u, d) * u**-k, a, left=-k, right=edge)
+    total -= part(lambda u, d: traction(u, d) * (x + u) ** -k, a, right=edge)
     if x < a:
-        total -= integrate(lambda u, d: traction(u, a - u) * d**-k, x, right=-k)
-        total -= integrate(lambda u, d: traction(x + u, d) * u**-k, a - x, left=-k, right=edge)
+        total -= part(lambda u, d: traction(u, a - u) * d**-k, x, right=-k)
+        total -= part(lambda u, d: traction(x + u, d) * u**-k, a - x, left=-k, right=edge)
     else:
-        total -= integrate(lambda u, d: traction(u, d) * (x - a + d) ** -k, a, right=edge)
+        total -= part(lambda u, d: traction(u, d) * (x - a + d) ** -k, a, right=edge)
     return compliance / k * total
+
+
+def load_within(x, s, power):
+    """∫_0^x (s²-t²)^power dt, 0 for t > s; the traction (44) integrated as it is printed."""
+    whole = integrate(lambda u, d: (d * (s + u)) ** power, s, right=power)
+    if x >= s:
+        return whole
+    if x > s / 2:
+        return whole - integrate(lambda u, d: (d * (s + x + u)) ** power, s - x, right=power)
+    return integrate(lambda u, d: (s**2 - u**2) ** power, x)
 
 
 class Medium:
@@ -57,7 +73,13 @@ class Medium:
         self.E0, self.nu, self.k, self.y0 = mp.mpf(E0), mp.mpf(nu), nonzero(k), mp.mpf(y0)
         k, nu = self.k, self.nu
         self.beta = mp.sqrt((1 + k) * (1 - k * nu / (1 - nu)))
-        self.C = 2 ** (1 + k) / mp.pi * mp.gamma((3 + k + self.beta) / 2) * mp.gamma((3 + k - self.beta) / 2) / mp.gamma(2 + k)
+        self.C = (
+            2 ** (1 + k)
+            / mp.pi
+            * mp.gamma((3 + k + self.beta) / 2)
+            * mp.gamma((3 + k - self.beta) / 2)
+            / mp.gamma(2 + k)
+        )
         sine = mp.sin(self.beta * mp.pi / 2)
         self.b = (1 - nu**2) * self.beta * self.C * sine / (k * (k + 1))
         self.g = (1 - nu**2) * (k + 1) * self.C * sine / (k * self.beta)
@@ -68,7 +90,9 @@ class Medium:
         k = self.k
 
         def inner(s):
-            return integrate(lambda x, d: x * slope(x) * (d * (s + x)) ** (-(1 - k) / 2), s, right=(k - 1) / 2)
+            return integrate(
+                lambda x, d: x * slope(x) * (d * (s + x)) ** (-(1 - k) / 2), s, right=(k - 1) / 2
+            )
 
         with mp.workdps(DIGITS):
             factor = 2 * self.E0 * mp.cos(k * mp.pi / 2) / (mp.pi * self.b * k * self.y0**k * s**k)
@@ -76,7 +100,11 @@ class Medium:
 
     def load(self, density, a, start=0):
         """(6), or (22)."""
-        return integrate(lambda u, d: density(start + u) * (start + u) ** self.k, a - start, left=self.k if not start else 0)
+        return integrate(
+            lambda u, d: density(start + u) * (start + u) ** self.k,
+            a - start,
+            left=self.k if not start else 0,
+        )
 
     def pressure(self, density, x, a, start=0):
         """(7), or (18), of punches start < s < a."""
@@ -84,8 +112,12 @@ class Medium:
         factor = mp.gamma((2 + k) / 2) / (mp.sqrt(mp.pi) * mp.gamma((1 + k) / 2))
         power = (k - 1) / 2
         if low > x:
-            return factor * integrate(lambda u, d: density(low + u) * ((low + u) ** 2 - x**2) ** power, a - low)
-        return factor * integrate(lambda u, d: density(x + u) * (u * (2 * x + u)) ** power, a - x, left=power)
+            return factor * integrate(
+                lambda u, d: density(low + u) * ((low + u) ** 2 - x**2) ** power, a - low
+            )
+        return factor * integrate(
+            lambda u, d: density(x + u) * (u * (2 * x + u)) ** power, a - x, left=power
+        )
 
     def constant(self):
         k = self.k
@@ -112,19 +144,26 @@ class Medium:
         """(10), and (11) for x = 0; 0 < k < 1."""
         parameter = self.b if parameter is None else parameter
         top = min(x, a)
-        result = self.constant() * integrate(lambda u, d: density(top + u), a - top) if a > top else mp.mpf(0)
+        result = (
+            self.constant() * integrate(lambda u, d: density(top + u), a - top)
+            if a > top
+            else mp.mpf(0)
+        )
         if x > 0:
             result += integrate(lambda u, d: density(u) * self.decaying(x, u), top)
         return parameter * self.y0**self.k / self.E0 * result
 
 
-def derivative(f, s):
-    """Central difference, Richardson-extrapolated; f is smooth on the scale of s and known to DIGITS digits."""
-    steps = [s * mp.mpf(2) ** -j for j in range(4, 16)]
+def derivative(f, s, scale=1):
+    """Central difference, Richardson-extrapolated; f is smooth on the scale of scale s and known to DIGITS digits."""
+    steps = [scale * s * mp.mpf(2) ** -j for j in range(4, 16)]
     table = [(f(s + h) - f(s - h)) / (2 * h) for h in steps]
     for order in range(1, len(table)):
         factor = mp.mpf(4) ** order
-        table = [(factor * fine - coarse) / (factor - 1) for coarse, fine in zip(table, table[1:], strict=False)]
+        table = [
+            (factor * fine - coarse) / (factor - 1)
+            for coarse, fine in zip(table, table[1:], strict=False)
+        ]
     return table[0]
 
 

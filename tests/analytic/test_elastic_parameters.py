@@ -28,7 +28,12 @@ def radial_field(k, nu):
     normal = half_plane(lambda t: mp.cos(beta * t), 1 + k)
     tangential = half_plane(lambda t: mp.sin(beta * t) * mp.sin(t), k)
     sine = mp.sin(beta * mp.pi / 2)
-    return (1 - nu**2) * beta * sine / (1 + k) / normal, (1 - nu**2) * sine / tangential, beta, 1 / normal
+    return (
+        (1 - nu**2) * beta * sine / (1 + k) / normal,
+        (1 - nu**2) * sine / tangential,
+        beta,
+        1 / normal,
+    )
 
 
 @pytest.mark.parametrize("k", EXPONENTS)
@@ -72,7 +77,9 @@ def test_holl_ratio(k):
 def test_modulus():
     """(1)."""
     solid = GradedHalfPlane(E0=5.0, nu=0.2, k=-0.5, y0=4.0)
-    np.testing.assert_allclose(solid.modulus([[1.0, 4.0], [16.0, 64.0]]), [[10, 5], [2.5, 1.25]], rtol=1e-15)
+    np.testing.assert_allclose(
+        solid.modulus([[1.0, 4.0], [16.0, 64.0]]), [[10, 5], [2.5, 1.25]], rtol=1e-15
+    )
     assert solid.modulus(0) == math.inf
     assert GradedHalfPlane(5.0, 0.2, 0.5, 4.0).modulus(0) == 0
     with pytest.raises(ValueError, match="outside the body"):

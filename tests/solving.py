@@ -1,0 +1,20 @@
+"""Small problems solved in-process by the tests."""
+
+from mpi4py import MPI
+
+from conftest import coarse_overrides
+from simulations.scene import DEFAULT_SCENE, parse
+from simulations.simulation import Simulation
+
+
+def coarse_simulation(text=DEFAULT_SCENE, cells=None, **changes) -> Simulation:
+    """A coarse simulation of a scene, not yet run."""
+    return Simulation(MPI.COMM_SELF, parse(text, coarse_overrides(**changes)), cells)
+
+
+def solved(text=DEFAULT_SCENE, cells=None, **changes) -> Simulation:
+    """The same, run to its end."""
+    simulation = coarse_simulation(text, cells, **changes)
+    for _ in simulation.run():
+        pass
+    return simulation
