@@ -122,7 +122,7 @@ def run(main: Callable[[list[str]], None]):
     except BaseException:
         traceback.print_exc()
         comm.Abort(1)
-    MPI.Finalize()  # of all ranks, before the first exits: mpirun takes a non-zero exit for a crash
+    comm.Barrier()  # mpirun ends the others as soon as one rank exits with a code
     sys.exit(code)
 
 

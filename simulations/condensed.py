@@ -177,15 +177,23 @@ class CondensedSystem:
             removed.append(compliance.collect(-strip @ self._offset))
         self._removed = np.concatenate([*removed, np.zeros(len(rows))])
         if self._comm.rank == 0:
+            tangent = np.vstack(rows)
             self._jacobian = self._linear.copy()
-            self._jacobian[: len(rows) * n] += np.vstack(rows)
-            self._lu, self._pivots, self._singular = lapack.dgetrf(self._jacobian)
+            self._jacobian[: len(tangent)] += tangent
+            # a node without contact has df = b: it is eliminated before the factorisation
+            loaded = np.append(np.any(tangent != 0.0, axis=1), np.ones(len(self._rigid), bool))
+            self._free, self._loaded = np.flatnonzero(~loaded), np.flatnonzero(loaded)
+            dense = self._jacobian[np.ix_(self._loaded, self._loaded)]
+            self._lu, self._pivots, self._singular = lapack.dgetrf(dense)
 
     def solve(self, b, x):
         """x = J^-1 b; nan where the cylinder is free to move (every point slips)."""
         if self._comm.rank == 0:
-            step, _ = lapack.dgetrs(self._lu, self._pivots, b.array_r + self._removed)
-            x.array[:] = np.nan if self._singular else step
+            right = b.array_r + self._removed
+            coupling = self._jacobian[np.ix_(self._loaded, self._free)]
+            step, _ = lapack.dgetrs(self._lu, self._pivots, right[self._loaded] - coupling @ right[self._free])
+            right[self._loaded] = np.nan if self._singular else step
+            x.array[:] = right
         self._offset[:] = 0.0
 
     def multiply(self, x, y):
