@@ -16,7 +16,7 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from .programme import SolveError
-from .scene import DEFAULT_SCENE, Scene, SceneError, parse
+from .scene import Scene, SceneError, parse
 
 T = TypeVar("T")
 comm = MPI.COMM_WORLD
@@ -29,6 +29,7 @@ class Request:
     scene: Scene
     output: Path
     petsc: tuple[str, ...]
+    explain: bool
 
 
 class _Parser(argparse.ArgumentParser):
@@ -36,20 +37,24 @@ class _Parser(argparse.ArgumentParser):
         raise SceneError(f"{message} (see --help)")
 
 
-def read_request(arguments: list[str], program: str, description: str) -> Request:
-    """The request of a command line ``[SCENE.toml] [--output DIR] [--set KEY=VALUE] [-petsc_option ...]``."""
+def read_request(arguments: list[str], program: str, description: str, default: str) -> Request:
+    """The request of a command line ``[SCENE.toml] [--output DIR] [--set KEY=VALUE] [--explain] [-petsc_option ...]``.
+
+    default: text of the scene that runs when none is named.
+    """
     parser = _Parser(prog=f"python -m {program}", description=description, allow_abbrev=False)
     parser.add_argument("scene", nargs="?", type=Path, help="scene file (TOML); without one, the default scene")
     parser.add_argument("--output", type=Path, metavar="DIR", help="folder for results (default: results/SCENE)")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="change a key of the scene")
+    parser.add_argument("--explain", action="store_true", help="say which effects are on, and stop")
     parser.epilog = "Options that begin with -fretting_ go to PETSc, for instance -fretting_snes_monitor."
     own, petsc = _split_petsc(arguments)
     given = parser.parse_args(own)
-    text = DEFAULT_SCENE if given.scene is None else _read(given.scene)
+    text = default if given.scene is None else _read(given.scene)
     scene = parse(text, tuple(given.set))
-    name = "default" if given.scene is None else given.scene.stem
+    name = program.rpartition(".")[2] if given.scene is None else given.scene.stem
     output = given.output or Path("results") / name
-    return Request(scene, _writable(output), petsc)
+    return Request(scene, output if given.explain else _writable(output), petsc, given.explain)
 
 
 def _split_petsc(arguments):

@@ -81,7 +81,7 @@ class Compliance:
         b.scale(-1.0)
         for direction, values in forces.items():
             b.array[2 * self.surface + direction] += self.own(values)
-        fem_petsc.set_bc(b, [self.body.boundary_condition])
+        fem_petsc.set_bc(b, self.body.boundary_conditions)
         x = b.duplicate()
         self._ksp.solve(b, x)
         return x.array_r
@@ -103,7 +103,7 @@ class Compliance:
         rows = self.body.constrained_stiffness.getLocalSize()[0]
         rank_of = np.concatenate([[rank] * count for rank, count in enumerate(self._counts)]).astype(int)
         first = np.concatenate([[0], np.cumsum(self._counts)])[self.comm.rank]
-        fixed = self.body.boundary_condition.dof_indices()[0]
+        fixed = self.body.fixed_dofs
         for start in range(0, self.n, BLOCK):
             chosen = self.order[start : start + BLOCK]
             b = PETSc.Mat().createDense(((rows, None), (None, len(chosen))), comm=self.comm)
@@ -134,7 +134,8 @@ class CondensedSystem:
         n, m = compliance.n, len(self._rigid)
         self.size = m * n + m
         self._response = np.hstack([compliance.column(i) for i in self._rigid])
-        sums = np.kron(np.eye(m), np.ones(n))
+        self._sides = 2.0 if problem.body.is_half else 1.0
+        sums = self._sides * np.kron(np.eye(m), np.ones(n))
         self._linear = np.block([[np.eye(m * n), np.zeros((m * n, m))], [sums, np.zeros((m, m))]])
         # Displacement of the strip beyond that of the forces: what a new load has not yet moved. The first
         # step removes it, so that the contact states it starts from are those of the fields, not of a jump.
@@ -147,6 +148,12 @@ class CondensedSystem:
     def begin(self, load, x):
         """Prescribe the line loads and fill ``x`` with the forces of the present state."""
         self._load = np.asarray(load)
+        held = self.problem.held_forces
+        self._constant = self.compliance.far @ self._load
+        self._held = {}
+        if held is not None:
+            self._held = {Y: self.compliance.collect(held[self.compliance.surface])}
+            self._constant += self.compliance.column(Y) @ self._held[Y]
         forces, body = self._contact_forces(), self.problem.body
         self._offset = body.u.x.array[self.compliance.strip_dofs] - self._displacement(forces)
         self._put(np.concatenate([forces, body.delta.value[self._rigid]]), x)
@@ -157,10 +164,10 @@ class CondensedSystem:
         self._show(forces, rigid)
         contact = self._contact_forces()
         load = self._load[self._rigid]
-        imbalance = _sums(forces, len(rigid)) - load
+        imbalance = self._sums(forces) - load
         self._put(np.concatenate([forces - contact, imbalance]), f)
         # the tractions reported are the contact terms' own: these too must balance the loads
-        imbalance = np.abs([imbalance, _sums(contact, len(rigid)) - load]).max()
+        imbalance = np.abs([imbalance, self._sums(contact) - load]).max()
         return float(np.linalg.norm(forces - contact)), float(imbalance)
 
     def linearise(self, x):
@@ -207,7 +214,7 @@ class CondensedSystem:
         by_direction = dict(zip(self._rigid, forces.reshape(len(rigid), -1)))
         body = self.problem.body
         body.delta.value[self._rigid] = rigid
-        displacement = self.compliance.displacement(self._load, by_direction)
+        displacement = self.compliance.displacement(self._load, by_direction | self._held)
         body.u.x.array[: len(displacement)] = displacement
         body.u.x.scatter_forward()
         # gamma times the last digits of u is visible in the tractions: keep those that balance the loads
@@ -220,7 +227,7 @@ class CondensedSystem:
         body.u.x.array[self.compliance.strip_dofs] = self._displacement(forces) + self._offset
 
     def _displacement(self, forces):
-        return self.compliance.far @ self._load + self._response @ forces
+        return self._constant + self._response @ forces
 
     def _contact_forces(self):
         forces = (self.problem.nodal_forces(i)[self.compliance.surface] for i in self._rigid)
@@ -234,7 +241,6 @@ class CondensedSystem:
         if self._comm.rank == 0:
             x.array[:] = values
 
-
-def _sums(forces, directions):
-    """Resultant (directions,) of nodal forces that are stacked direction by direction."""
-    return forces.reshape(directions, -1).sum(axis=1)
+    def _sums(self, forces):
+        """Resultants (m,) of forces stacked direction by direction."""
+        return self._sides * forces.reshape(len(self._rigid), -1).sum(axis=1)

@@ -38,7 +38,7 @@ class Entry:
 
 @dataclass
 class History:
-    """Entries of a run so far. k and mu are the grading and the coefficient of friction."""
+    """Entries of a run so far. k and mu are the grading and the coefficient of friction (0: no tangential problem)."""
 
     k: float
     mu: float
@@ -48,14 +48,15 @@ class History:
         """Add the state that ``outcome`` ended with."""
         increment, s = outcome.increment, surface.relative_displacement
         contact = contact_edges(surface, self.k)
-        if increment.branch == "normal":
-            self._rest = s
-            stick, dissipated = contact, 0.0
-        else:
-            before = self.entries[-1]
+        stick, dissipated = contact, 0.0
+        if self.friction and np.any(surface.traction):
             stick = stick_edges(surface, self.mu, DIRECTION[increment.branch], self.k)
+        if self.entries:
+            before = self.entries[-1]
             moved = s - before.surface.relative_displacement
             dissipated = before.dissipated - surface.line_load(surface.traction * moved)
+        if increment.branch == "normal":
+            self._rest = s
         entry = Entry(
             increment=increment,
             surface=surface,
@@ -70,6 +71,16 @@ class History:
         )
         self.entries.append(entry)
         return entry
+
+    @property
+    def friction(self) -> bool:
+        """True where there is a tangential problem."""
+        return self.mu > 0
+
+    @property
+    def has_cycle(self) -> bool:
+        """True once a full cycle is done."""
+        return self.entries[-1].increment.cycle > 0
 
     @property
     def last_cycle(self) -> list[Entry]:

@@ -11,7 +11,7 @@ import gmsh
 import numpy as np
 from dolfinx.io import gmshio
 
-SURFACE, FAR, BODY = 1, 2, 3  # physical groups
+SURFACE, FAR, SYMMETRY, BODY = 1, 2, 3, 4  # physical groups
 STRIP = 1.25  # contact is looked for on |x| < STRIP a; beyond, the columns may grow without limit
 
 
@@ -68,7 +68,10 @@ def layers(grading: Grading, bottom: float) -> np.ndarray:
 
 
 def half_plane(comm, x: np.ndarray, s: np.ndarray):
-    """Distributed mesh of [x0, x1] x [0, s1] and its facet tags SURFACE (s = 0) and FAR (the rest)."""
+    """Distributed mesh of [x0, x1] x [0, s1] and its facet tags SURFACE (s = 0), FAR (the rest).
+
+    Where x starts at 0 the left side is tagged SYMMETRY instead of FAR.
+    """
     if comm.rank == 0:
         gmsh.initialize(interruptible=False)
         gmsh.option.setNumber("General.Terminal", 0)
@@ -77,15 +80,25 @@ def half_plane(comm, x: np.ndarray, s: np.ndarray):
         (_, (_, surface)) = gmsh.model.geo.extrude([(0, corner)], x[-1] - x[0], 0, 0, *_cells(x))
         swept = gmsh.model.geo.extrude([(1, surface)], 0, s[-1], 0, *_cells(s), recombine=True)
         gmsh.model.geo.synchronize()
-        far = [tag for dimension, tag in swept if dimension == 1]
-        body = [tag for dimension, tag in swept if dimension == 2]
-        for dimension, tags, group in ((1, [surface], SURFACE), (1, far, FAR), (2, body, BODY)):
-            gmsh.model.addPhysicalGroup(dimension, [abs(tag) for tag in tags], group)
+        (_, bottom), (_, body), *sides = swept
+        groups = {SURFACE: [surface], FAR: [bottom], SYMMETRY: []}
+        for _, side in sides:
+            on_axis = x[0] == 0.0 and _abscissa(side) == 0.0
+            groups[SYMMETRY if on_axis else FAR].append(side)
+        for group, tags in groups.items():
+            if tags:
+                gmsh.model.addPhysicalGroup(1, [abs(tag) for tag in tags], group)
+        gmsh.model.addPhysicalGroup(2, [body], BODY)
         gmsh.model.mesh.generate(2)
     mesh, _, facets = gmshio.model_to_mesh(gmsh.model, comm, 0, gdim=2)
     if comm.rank == 0:
         gmsh.finalize()
     return mesh, facets
+
+
+def _abscissa(side):
+    """x of a vertical gmsh curve."""
+    return gmsh.model.getBoundingBox(1, abs(side))[0]
 
 
 def _cells(nodes):

@@ -47,22 +47,31 @@ class SurfaceSampler:
         self._order = np.argsort(x)
         self.x = x[self._order]
         self.weight = self._collect(problem.tributary_lengths())
+        if body.is_half:
+            self.weight[len(self.x) - 1] *= 2.0  # the node on the axis
+            self.x = np.concatenate([-self.x[:0:-1], self.x])
 
     def sample(self, problem: ContactProblem) -> SurfaceState:
         """The present state of the surface; contact tractions are nodal forces over tributary lengths."""
         force = [self._collect(problem.nodal_forces(i)) for i in (X, Y)]
+        if self.body.is_half:
+            force[Y][len(self.x) // 2] *= 2.0
         u = self.body.u.x.array
         return SurfaceState(
             x=self.x,
             weight=self.weight,
             pressure=force[Y] / self.weight,
             traction=force[X] / self.weight,
-            u=np.stack([self._collect(u[i::2]) for i in (X, Y)]),
+            u=np.stack([self._collect(u[X::2], mirrored=-1), self._collect(u[Y::2])]),
             delta=self.body.delta.value.copy(),
         )
 
-    def _collect(self, nodal):
-        return self._gather(nodal[self._dofs])[self._order]
+    def _collect(self, nodal, mirrored: int = 1):
+        """Sorted values of all ranks; for half a problem also those of its mirror image, times ``mirrored``."""
+        values = self._gather(nodal[self._dofs])[self._order]
+        if self.body.is_half:
+            return np.concatenate([mirrored * values[:0:-1], values])
+        return values
 
     def _gather(self, local):
         return np.concatenate(self.body.mesh.comm.allgather(np.ascontiguousarray(local)))
@@ -74,13 +83,13 @@ def contact_edges(state: SurfaceState, k: float) -> tuple[float, float]:
 
 
 def stick_edges(state: SurfaceState, mu: float, direction: int, k: float) -> tuple[float, float]:
-    """Left and right edge of the stick zone while the load moves in ``direction`` (+1, -1).
+    """Left and right edge of the stick zone while the load moves in ``direction`` (+1, -1; 0: neither).
 
     The traction's distance from the limit it slides at, mu p - direction q, ends there like distance^((1+k)/2), (47).
     Both are nan when every point slips.
     """
     limit = mu * state.pressure
-    margin = limit - direction * state.traction
+    margin = limit - (direction * state.traction if direction else np.abs(state.traction))
     return _edges(state.x, np.where(margin > ROUND_OFF * limit.max(), margin, 0.0), k)
 
 

@@ -43,32 +43,37 @@ def write_history(path: Path, history: History, scales: Scales):
     """history.csv, a row an increment."""
     table = io.StringIO()
     rows = csv.writer(table, lineterminator="\n")
-    rows.writerow(
-        "increment branch cycle state P[N/m] Q[N/m] delta_x[m] delta_y[m] a[m] c[m] "
-        "dissipated_energy[J/m] iterations cuts residual seconds".split()
-    )
-    for number, entry in enumerate(history.entries):
-        rows.writerow([number, *_row(entry, scales)])
+    lines = [_row(number, entry, scales, history.friction) for number, entry in enumerate(history.entries)]
+    rows.writerow(lines[0])
+    rows.writerows(line.values() for line in lines)
     write_text(path, table.getvalue())
 
 
-def _row(entry: Entry, scales: Scales):
+def _row(number: int, entry: Entry, scales: Scales, friction: bool) -> dict:
+    """One row by column name; without friction the columns of the tangential problem are absent."""
     increment = entry.increment
-    delta = entry.surface.delta * scales.displacement
-    quantities = [
-        increment.P * scales.line_load,
-        increment.Q * scales.line_load,
-        *delta,
-        entry.a * scales.length,
-        entry.c * scales.length,
-        entry.dissipated * scales.energy,
-    ]
-    effort = [entry.iterations, entry.cuts, f"{entry.residual:.2e}", f"{entry.seconds:.3f}"]
-    return [increment.branch, increment.cycle, increment.state, *(f"{q:.12g}" for q in quantities), *effort]
+    delta_x, delta_y = entry.surface.delta * scales.displacement
+    normal = {"P[N/m]": increment.P * scales.line_load, "delta_y[m]": delta_y, "a[m]": entry.a * scales.length}
+    tangential = {
+        "Q[N/m]": increment.Q * scales.line_load,
+        "delta_x[m]": delta_x,
+        "c[m]": entry.c * scales.length,
+        "dissipated_energy[J/m]": entry.dissipated * scales.energy,
+    }
+    quantities = normal | (tangential if friction else {})
+    return (
+        {"increment": number, "branch": increment.branch, "cycle": increment.cycle, "state": increment.state}
+        | {name: f"{value:.12g}" for name, value in quantities.items()}
+        | {"iterations": entry.iterations, "cuts": entry.cuts}
+        | {"residual": f"{entry.residual:.2e}", "seconds": f"{entry.seconds:.3f}"}
+    )
 
 
 def write_surface(path: Path, history: History, scales: Scales):
-    """surface.h5: x (n,), weight (n,); pressure, traction, slip (s, n); P, Q (s,); SI units as attributes."""
+    """surface.h5: x (n,), weight (n,); pressure, traction, slip (s, n); P, Q (s,); SI units as attributes.
+
+    Without friction traction, slip and Q are absent.
+    """
     entries = history.entries
     data = {
         "x": entries[0].surface.x * scales.length,
@@ -79,6 +84,8 @@ def write_surface(path: Path, history: History, scales: Scales):
         "P": np.array([e.increment.P for e in entries]) * scales.line_load,
         "Q": np.array([e.increment.Q for e in entries]) * scales.line_load,
     }
+    if not history.friction:
+        data = {name: data[name] for name in ("x", "weight", "pressure", "P")}
     partial = path.with_name(path.name + ".part")
     with h5py.File(partial, "w") as file:
         for name, values in data.items():

@@ -6,7 +6,7 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analytic import FrettingLoop
+from analytic import CylinderContact, FrettingLoop
 
 from .history import Entry, History
 
@@ -14,16 +14,20 @@ COLOURS = {"A": "#0072B2", "B": "#E69F00", "C": "#009E73", "D": "#CC79A7", "E": 
 DOTS = 45  # computed points shown a curve
 
 
-def plot_run(path: Path, title: str, history: History, loop: FrettingLoop, exact: bool):
-    """PNG with the states A ... E of the last cycle. ``exact``: the closed form describes the same problem."""
+def plot_run(path: Path, title: str, history: History, contact: CylinderContact, loop: FrettingLoop | None, exact: bool):
+    """PNG of the last state's pressure and, with friction, the states A ... E of the last cycle and the loop.
+
+    exact: the closed form describes the same problem.
+    """
     theory = "closed form" if exact else "closed form (no coupling)"
+    panels = 1 if loop is None else 3
     with plt.rc_context({"font.size": 10, "axes.grid": True, "grid.alpha": 0.3, "legend.fontsize": 9}):
-        figure, axes = plt.subplots(1, 3, figsize=(14, 4.6), layout="constrained")
-        figure.suptitle(title)
-        states = _states(history)
-        _pressure(axes[0], history.entries[-1], loop, theory)
-        _traction(axes[1], states, loop, theory)
-        _loop(axes[2], history, loop, theory)
+        figure, axes = plt.subplots(1, panels, figsize=(4.7 * panels, 4.6), layout="constrained", squeeze=False)
+        figure.suptitle(title, wrap=True)
+        _pressure(axes[0, 0], history.entries[-1], contact, theory)
+        if loop is not None:
+            _traction(axes[0, 1], _states(history), loop, theory)
+            _loop(axes[0, 2], history, loop, theory)
         partial = path.with_name("part." + path.name)
         figure.savefig(partial, dpi=160)
         plt.close(figure)
@@ -35,13 +39,13 @@ def _states(history: History) -> dict[str, Entry]:
     return {state: named[state] for state in COLOURS if state in named}
 
 
-def _pressure(axis, entry, loop, theory):
-    x = np.linspace(-1.15, 1.15, 601) * loop.a
-    peak = loop.contact.peak_pressure
-    axis.plot(x / loop.a, loop.contact.pressure(x) / peak, color="0.35", label=theory)
-    shown = _thinned(entry.surface.x / loop.a)
+def _pressure(axis, entry, contact, theory):
+    x = np.linspace(-1.15, 1.15, 601) * contact.a
+    peak = contact.peak_pressure
+    axis.plot(x / contact.a, contact.pressure(x) / peak, color="0.35", label=theory)
+    shown = _thinned(entry.surface.x / contact.a)
     pressure = entry.surface.pressure[shown] / peak
-    axis.plot(entry.surface.x[shown] / loop.a, pressure, "o", ms=3.5, color=COLOURS["A"], label="finite elements, A")
+    axis.plot(entry.surface.x[shown] / contact.a, pressure, "o", ms=3.5, color=COLOURS["A"], label="finite elements")
     axis.set(xlabel="position x/a [–]", ylabel="pressure p/p(0) [–]", title="Pressure")
     axis.legend(loc="lower center")
 
@@ -67,7 +71,7 @@ def _loop(axis, history, loop, theory):
     unit = loop.mu * loop.contact.solid.alpha * loop.a**2 / (2 * loop.contact.R)
     load = loop.mu * loop.contact.P
     moving = [e for e in history.entries if e.increment.branch != "normal"]
-    start = history.entries[0].surface.delta[0]
+    start = [e for e in history.entries if e.increment.branch == "normal"][-1].surface.delta[0]
     if loop.contact.solid.k > 0:
         for branch in ("initial", "unloading", "reloading"):
             Q = np.linspace(0.0 if branch == "initial" else -loop.Q_A, loop.Q_A, 201)

@@ -18,7 +18,7 @@ from petsc4py import PETSc
 
 from forms import contact, elasticity
 
-from .mesh import FAR, STRIP, SURFACE
+from .mesh import FAR, STRIP, SURFACE, SYMMETRY
 
 X, Y = 0, 1  # components: along the surface, into the body
 BULK_QUADRATURE_DEGREE = 5  # 3 Gauss points a direction: the square of a degree-2 gradient, in graded layers
@@ -36,13 +36,15 @@ class HalfPlane:
     """Mesh, function spaces, fields and stiffness of the graded half-plane.
 
     far_field: function ``(x, y, P, Q) -> (2, n)`` with the displacement far from the loads; it is prescribed on
-    the outer boundary, so that the domain's size is felt only beyond the resultant loads.
+    the outer boundary, so that the domain's size is felt only beyond the resultant loads. A mesh with SYMMETRY facets is
+    the half x > 0 of a symmetric problem.
     """
 
     def __init__(self, mesh, facets, modulus, nu: float, far_field):
         self.mesh, self.modulus, self.nu = mesh, modulus, nu
         self.depth = modulus.depth_map()
         self.space = fem.functionspace(mesh, ("Lagrange", 2, (2,)))
+        self.point_space = fem.functionspace(mesh, ("DG", 2))  # of what surface points remember, cell by cell
         self.u = fem.Function(self.space, name="displacement")
         self.delta = fem.Constant(mesh, np.zeros(2))
         self.position = ufl.SpatialCoordinate(mesh)
@@ -51,7 +53,11 @@ class HalfPlane:
 
         far = fem.locate_dofs_topological(self.space, 1, facets.find(FAR))
         self.far_value = fem.Function(self.space)
-        self.boundary_condition = fem.dirichletbc(self.far_value, far)
+        self.boundary_conditions = [fem.dirichletbc(self.far_value, far)]
+        self.is_half = bool(mesh.comm.allreduce(facets.find(SYMMETRY).size))
+        if self.is_half:
+            axis = fem.locate_dofs_topological(self.space.sub(X), 1, facets.find(SYMMETRY))
+            self.boundary_conditions.append(fem.dirichletbc(0.0, axis, self.space.sub(X)))
         self._far_dofs = np.stack([2 * far, 2 * far + 1])
         x, s, _ = self.space.tabulate_dof_coordinates()[far].T
         y = self.depth.y(np.maximum(s, 0.0))  # gmsh may place the surface at -1e-17
@@ -63,7 +69,7 @@ class HalfPlane:
         form = fem.form(work)
         self.stiffness = fem_petsc.assemble_matrix(form)
         self.stiffness.assemble()
-        self.constrained_stiffness = fem_petsc.assemble_matrix(form, bcs=[self.boundary_condition])
+        self.constrained_stiffness = fem_petsc.assemble_matrix(form, bcs=self.boundary_conditions)
         self.constrained_stiffness.assemble()
 
         middle = dolfinx.mesh.compute_midpoints(mesh, 1, facets.find(SURFACE))[:, 0]
@@ -76,6 +82,11 @@ class HalfPlane:
         mesh.topology.create_connectivity(1, 2)
         to_cell = mesh.topology.connectivity(1, 2)
         self.strip_cells = np.unique([to_cell.links(facet)[0] for facet in self.strip]).astype(np.int32)
+
+    @property
+    def fixed_dofs(self) -> np.ndarray:
+        """Local dofs whose displacement is prescribed."""
+        return np.unique(np.concatenate([bc.dof_indices()[0] for bc in self.boundary_conditions]))
 
     @property
     def unknowns(self) -> int:
@@ -109,49 +120,60 @@ class HalfPlane:
 
 
 class ContactProblem:
-    """Contact of a half-plane with the cylinder, with or without friction, as residual and Jacobian.
+    """Contact of a half-plane with the cylinder as residual and Jacobian, with the effects it is asked for.
 
-    profile: UFL function of x, the cylinder's shape f(x). Without friction the tangential traction is absent from
-    the forms and the only rigid displacement is ``delta_y``; ``directions`` lists the rigid unknowns.
+    profile: UFL function of x, the cylinder's shape f(x). ``directions`` lists the contact tractions in the forms, each
+    with its rigid displacement: (Y,) without friction; (X, Y) with; (X,) for the tangential problem uncoupled from the
+    normal one, whose pressure and displacement ``hold_pressure`` then keeps.
     """
 
-    def __init__(self, body: HalfPlane, profile, nitsche: Nitsche, friction: bool):
-        self.body, self.friction = body, friction
-        self.directions = (X, Y) if friction else (Y,)
-        self.mu = fem.Constant(body.mesh, 0.0)
+    def __init__(self, body: HalfPlane, profile, nitsche: Nitsche, directions: tuple[int, ...]):
+        self.body, self.directions = body, directions
+        self.friction = X in directions
         self.all_stick = fem.Constant(body.mesh, 0.0)  # 1 in the predictor
+        self.held_forces = None
         ds = body.surface_measure
         u, v, du = body.u, ufl.TestFunction(body.space), ufl.TrialFunction(body.space)
+        if Y not in directions:
+            self._held_displacement = fem.Function(body.space)
+            u = body.u - self._held_displacement
 
         into = body.modulus.surface_moduli(body.cell_height, body.depth)[1]
         gamma = nitsche.gamma0 * 4.0 * into / ((1.0 - body.nu**2) * body.cell_height)
         traction = body.traction(u)
-        gap = contact.gap(u, profile(body.position[0]), body.delta)
-        tractions = {Y: contact.contact_pressure(traction, gap, gamma)}
-        if friction:
-            self.anchor = fem.Function(fem.functionspace(body.mesh, ("DG", 2)), name="anchor")
+        tractions = {}
+        if Y in directions:
+            gap = contact.gap(u, profile(body.position[0]), body.delta)
+            pressure = tractions[Y] = contact.contact_pressure(traction, gap, gamma)
+            self._pressure = self._expression(pressure)
+        else:
+            pressure = self._held_pressure = self._point_values("pressure")
+        if self.friction:
+            self.mu = fem.Constant(body.mesh, 0.0)
+            self.anchor = self._point_values("anchor")
             s = contact.relative_displacement(u, body.delta)
             trial = contact.trial_traction(traction, s, self.anchor, gamma)
-            tractions[X] = contact.coulomb(trial, tractions[Y], self.mu, self.all_stick)
+            tractions[X] = contact.coulomb(trial, pressure, self.mu, self.all_stick)
             self._rest = self._expression(contact.rest_position(traction, s, tractions[X], gamma))
             self._released = self._expression(contact.rest_position(traction, s, 0.0, gamma))
 
-        work = {i: contact.work(tractions[i], v, i) * ds for i in self.directions}
+        work = {i: contact.work(tractions[i], v, i) * ds for i in directions}
         forces = sum(work.values())
         if nitsche.theta:
-            for i in self.directions:
-                test = ufl.derivative(traction[i], u, v)
+            for i in directions:
+                test = ufl.derivative(traction[i], body.u, v)
                 forces += contact.consistency(traction[i], tractions[i], test, nitsche.theta, gamma) * ds
-        resultants = [tractions[i] * ds for i in self.directions]
-        along = [body.translations[i] for i in self.directions]
+        sides = 2.0 if body.is_half else 1.0
+        resultants = [sides * tractions[i] * ds for i in directions]
+        along = [body.translations[i] for i in directions]
         # The cylinder enters through u - delta alone, so d/d(delta_i) is minus the derivative along a translation.
         self._forces = fem.form(forces)
-        self._force_tangent = fem.form(ufl.derivative(-forces, u, du))
+        self._force_tangent = fem.form(ufl.derivative(-forces, body.u, du))
         self._strip_tangent = fem.create_matrix(self._force_tangent)
         self._resultants = [fem.form(r) for r in resultants]
-        self._columns = [fem.form(ufl.derivative(forces, u, e)) for e in along]
-        self._rows = [fem.form(ufl.derivative(r, u, v)) for r in resultants]
-        self._corner = [[fem.form(-ufl.derivative(r, u, e)) for e in along] for r in resultants]
+        self._columns = [fem.form(ufl.derivative(forces, body.u, e)) for e in along]
+        self._rows = [fem.form(ufl.derivative(r, body.u, v)) for r in resultants]
+        self._corner = [[fem.form(-ufl.derivative(r, body.u, e)) for e in along] for r in resultants]
         self._nodal = {i: fem.form(w) for i, w in work.items()}
         self._tributary = fem.form(v[Y] * ds)
 
@@ -166,14 +188,16 @@ class ContactProblem:
         internal = self.body.stiffness.createVecLeft()
         self.body.stiffness.mult(self.body.u.x.petsc_vec, internal)
         internal.axpy(-1.0, self._vector(self._forces))
-        fem_petsc.set_bc(internal, [self.body.boundary_condition], x0=self.body.u.x.petsc_vec, alpha=-1.0)
+        if self.held_forces is not None:
+            internal.array[Y::2] -= self.held_forces
+        fem_petsc.set_bc(internal, self.body.boundary_conditions, x0=self.body.u.x.petsc_vec, alpha=-1.0)
         total = np.array([self._sum(form) for form in self._resultants])
         return internal, total - np.array([load[i] for i in self.directions])
 
     def assemble_jacobian(self, matrix: PETSc.Mat):
         """Overwrite ``matrix`` with d(force residual)/du."""
         self.body.constrained_stiffness.copy(matrix, PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
-        fem_petsc.assemble_matrix(matrix, self._force_tangent, bcs=[self.body.boundary_condition])
+        fem_petsc.assemble_matrix(matrix, self._force_tangent, bcs=self.body.boundary_conditions)
         matrix.assemble()
 
     def force_tangent(self):
@@ -188,13 +212,14 @@ class ContactProblem:
         corner = np.array([[self._sum(form) for form in row] for row in self._corner])
         columns = [self._vector(form) for form in self._columns]
         for column in columns:
-            fem_petsc.set_bc(column, [self.body.boundary_condition], alpha=0.0)
+            fem_petsc.set_bc(column, self.body.boundary_conditions, alpha=0.0)
         return columns, [self._vector(form) for form in self._rows], corner
 
     def nodal_forces(self, direction: int) -> np.ndarray:
         """Contact force along x (0) or y (1) on every owned dof of that direction, (n,)."""
         if direction not in self._nodal:
-            return np.zeros(self.body.space.dofmap.index_map.size_local)
+            nothing = np.zeros(self.body.space.dofmap.index_map.size_local)
+            return nothing if direction == X or self.held_forces is None else self.held_forces.copy()
         return self._vector(self._nodal[direction]).array[direction::2].copy()
 
     def tributary_lengths(self) -> np.ndarray:
@@ -211,13 +236,25 @@ class ContactProblem:
         """End an increment: anchor every point where it stopped (return mapping)."""
         self._move_anchor(self._rest)
 
+    def hold_pressure(self, normal: "ContactProblem"):
+        """Keep the pressure and the displacement of the normal problem as they are now."""
+        self.held_forces = normal.nodal_forces(Y)
+        self._held_displacement.x.array[:] = self.body.u.x.array
+        self._interpolate(self._held_pressure, normal._pressure)
+
     def _move_anchor(self, expression):
-        self.anchor.interpolate(expression, cells0=self.body.strip_cells)
-        self.anchor.x.scatter_forward()
+        self._interpolate(self.anchor, expression)
+
+    def _interpolate(self, field, expression):
+        field.interpolate(expression, cells0=self.body.strip_cells)
+        field.x.scatter_forward()
+
+    def _point_values(self, name):
+        """A field with a value of its own at every surface node of every cell."""
+        return fem.Function(self.body.point_space, name=name)
 
     def _expression(self, value):
-        points = self.anchor.function_space.element.interpolation_points()
-        return fem.Expression(value, points)
+        return fem.Expression(value, self.body.point_space.element.interpolation_points())
 
     def _vector(self, form) -> PETSc.Vec:
         vector = fem_petsc.assemble_vector(form)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from .newton import Newton, NewtonResult
-from .problem import ContactProblem, HalfPlane
+from .problem import Y, ContactProblem
 
 MAX_CUTS = 6
 
@@ -49,16 +49,20 @@ class Outcome:
         return sum(not result.converged for result in self.results)
 
 
-def fretting_programme(P: float, Q_A: float, cycles: int, quarter: int) -> list[Increment]:
-    """Press with P, rock to +Q_A, then ``cycles`` times to -Q_A and back, ``quarter`` increments per Q_A.
+def pressing(P: float, increments: int = 1) -> list[Increment]:
+    """The normal stage: P in steps of equal contact half-width, roughly."""
+    return [Increment(P * (i / increments) ** 2) for i in range(1, increments + 1)]
+
+
+def rocking(P: float, Q_A: float, cycles: int, quarter: int) -> list[Increment]:
+    """To +Q_A, then ``cycles`` times to -Q_A and back, ``quarter`` increments per Q_A.
 
     States of Figure 11: A = +Q_A, B = +Q_A/2 on the way down, C = 0, D = -Q_A/2, E = -Q_A. B and D are marked on the
     nearest increments.
     """
     ramp = np.arange(1, quarter + 1) / quarter
     swing = np.arange(1, 2 * quarter + 1) / quarter
-    programme = [Increment(P)]
-    programme += [Increment(P, Q_A * z, "initial") for z in ramp]
+    programme = [Increment(P, Q_A * z, "initial") for z in ramp]
     programme[-1] = replace(programme[-1], state="A")
     for cycle in range(1, cycles + 1):
         down = [Increment(P, Q_A * (1 - z), "unloading", cycle=cycle) for z in swing]
@@ -73,21 +77,27 @@ def fretting_programme(P: float, Q_A: float, cycles: int, quarter: int) -> list[
 
 
 class LoadProgramme:
-    """Runs increments on a half-plane: the normal stage without friction, the rest with it."""
+    """Runs increments on a half-plane, each by the problem of its stage.
 
-    def __init__(self, frictionless: ContactProblem, frictional: ContactProblem, system, mu: float):
-        """system: function from a problem to the newton.System that solves its steps."""
-        self.problem, self.frictional = frictionless, frictional
-        self.body, self.mu, self._system = frictionless.body, mu, system
-        self._newton = self._start(self.problem)
+    normal: the frictionless problem; frictional: the one that takes over when tangential loading starts, or from
+    the first contact on (``friction_first``), or None; system: function from a problem to the newton.System that solves it.
+    """
+
+    def __init__(self, normal: ContactProblem, frictional: ContactProblem | None, system, mu=0.0, friction_first=False):
+        self.problem, self.frictional = normal, frictional
+        self.body, self.mu, self._system = normal.body, mu, system
+        self._friction_first = friction_first
+        self._newton = self._start(normal)
 
     def run(self, programme: list[Increment]) -> Iterator[Outcome]:
         """Yield each outcome while its state is on the half-plane; SolveError ends the run."""
         before = Increment(P=0.0)
         for increment in programme:
-            if increment.branch != "normal" and self.problem is not self.frictional:
-                self._begin_friction()
             results: list[NewtonResult] = []
+            if self.problem is not self.frictional and (increment.branch != "normal" or self._friction_first):
+                if self._friction_first:  # the frictionless contact of the first increment is where Newton starts
+                    self._advance(before, increment, results, cuts=0)
+                self._begin_friction()
             self._advance(before, increment, results, cuts=0)
             yield Outcome(increment, tuple(results))
             before = increment
@@ -96,24 +106,27 @@ class LoadProgramme:
         return Newton(self._system(problem), self.body.mesh.comm)
 
     def _begin_friction(self):
-        self.problem = self.frictional
-        self._newton = self._start(self.frictional)
+        normal, self.problem = self.problem, self.frictional
+        if Y not in self.frictional.directions:
+            self.frictional.hold_pressure(normal)
         self.frictional.mu.value = self.mu
-        self.frictional.release()
+        if not self._friction_first:  # there the surface came to rest before it was touched, at s = 0
+            self.frictional.release()
+        self._newton = self._start(self.frictional)
 
     def _advance(self, before: Increment, after: Increment, results: list[NewtonResult], cuts: int):
-        friction = self.problem is self.frictional
+        friction = self.problem.friction
         saved = self._save()
         result = self._newton.solve(after.load, predict=self.problem.all_stick if friction else None)
         results.append(result)
         if result.converged:
             if friction:
-                self.frictional.come_to_rest()
+                self.problem.come_to_rest()
             return
         self._restore(saved)
         if cuts == MAX_CUTS:
             raise SolveError(
-                f"no equilibrium between Q/P = {before.Q / after.P:.6g} and {after.Q / after.P:.6g} "
+                f"no equilibrium between (P, Q) = ({before.P:.4g}, {before.Q:.4g}) and ({after.P:.4g}, {after.Q:.4g}) "
                 f"({after.branch}): {result.reason}; force residual {result.residual:.1e} P after "
                 f"{result.iterations} iterations and {cuts} halvings of the increment"
             )
@@ -122,7 +135,7 @@ class LoadProgramme:
         self._advance(middle, after, results, cuts + 1)
 
     def _fields(self):
-        return [self.body.u.x, self.frictional.anchor.x]
+        return [self.body.u.x] + ([self.problem.anchor.x] if self.problem.friction else [])
 
     def _save(self):
         return [f.array.copy() for f in self._fields()], self.body.delta.value.copy()

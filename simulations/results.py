@@ -68,11 +68,13 @@ class Results:
             output.write_summary(self.folder / "summary.json", self.summary)
 
     def _plot(self):
-        simulation = self.simulation
-        scene = simulation.scene
-        title = f"{scene['title']}  (k = {scene['solid.k']:g}, ν = {scene['solid.nu']:.4g}, μ = {scene['load.mu']:g})"
+        simulation, scene = self.simulation, self.simulation.scene
+        values = [f"k = {scene['solid.k']:g}", f"ν = {scene['solid.nu']:.4g}"]
+        if simulation.loop:
+            values.append(f"μ = {scene['load.mu']:g}")
+        title = f"{scene['title']}  ({', '.join(values)})".strip()
         png = self.folder / "fretting.png"
-        plot_run(png, title.strip(), simulation.history, simulation.loop, scene.is_decoupled)
+        plot_run(png, title, simulation.history, simulation.contact, simulation.loop, scene.has_closed_form)
 
     def _summarise(self, failure) -> dict:
         simulation = self.simulation
@@ -81,6 +83,7 @@ class Results:
             "title": scene["title"],
             "converged": failure is None,
             "failure": failure,
+            "effects": {effect.name: effect.on for effect in simulation.effects.listed},
             "increments": len(history.entries),
             "newton_iterations": sum(e.iterations for e in history.entries),
             "cuts": sum(e.cuts for e in history.entries),
@@ -97,44 +100,56 @@ class Results:
         """Scalars of the last state and cycle, SI."""
         history, contact = self.simulation.history, self.simulation.scene.contact
         last, scales = history.entries[-1], self.scales
-        return {
+        quantities = {
             "a": last.a * scales.length,
             "a_over_a0": last.a * scales.length / contact.a0,
-            "c_over_a": last.c / last.a,
-            "indentation": last.surface.delta[1] * scales.displacement,
-            "dissipated_energy": history.dissipated_per_cycle * scales.energy,
+            "indentation": float(last.surface.delta[1]) * scales.displacement,
         }
+        if history.friction:
+            quantities["c_over_a"] = last.c / last.a
+            if history.has_cycle:
+                quantities["dissipated_energy"] = history.dissipated_per_cycle * scales.energy
+        return quantities
 
     def _deviations(self) -> dict:
+        """Errors where the closed form describes the same problem, differences otherwise."""
         simulation = self.simulation
-        history, loop = simulation.history, simulation.loop
-        exact = simulation.scene.is_decoupled
+        history, contact, loop = simulation.history, simulation.contact, simulation.loop
+        exact = simulation.scene.has_closed_form
         kind = "errors" if exact else "differences"
-        reference = "closed form, exact at the Holl ratio"
-        if not exact:
-            reference = "closed form, which neglects the coupling of normal and tangential effects"
-        return {
-            "reference": reference,
-            "errors": None,
-            kind: comparison.compare(history, loop),
-            f"{kind}_worst_in_cycle": comparison.worst(history, loop),
-        }
+        deviations = {"reference": self._reference(), "errors": None, kind: comparison.compare(history, contact, loop)}
+        if loop and history.has_cycle:
+            deviations[f"{kind}_worst_in_cycle"] = comparison.worst(history, contact, loop)
+        return deviations
+
+    def _reference(self) -> str:
+        effects, scene = self.simulation.effects, self.simulation.scene
+        if not effects.friction:
+            return "closed form of the frictionless contact"
+        if not effects.coupling:
+            return "closed form, which neglects coupling as this run does"
+        if scene.is_decoupled:
+            return "closed form, exact at the Holl ratio"
+        return "closed form, which neglects the coupling of normal and tangential effects: a different problem"
 
     def table(self) -> str:
         """The results beside the closed form, for reading."""
-        loop, scales, summary = self.simulation.loop, self.scales, self.summary
-        exact = summary["errors"] is not None
-        deviation = summary["errors" if exact else "differences"]
-        kind = "error" if exact else "difference"
-        loop_energy = loop.dissipated_energy * scales.energy
-        rows = [
-            ("contact half-width a [m]", summary["a"], loop.a * scales.length, deviation["a"]),
-            ("stick half-width c/a [-]", summary["c_over_a"], loop.c / loop.a, deviation["c"]),
-            ("energy per cycle [J/m]", summary["dissipated_energy"], loop_energy, deviation["dissipated_energy"]),
-        ]
+        contact, loop, scales = self.simulation.contact, self.simulation.loop, self.scales
+        summary = self.summary
+        kind, deviation = "error", summary["errors"]
+        if deviation is None:
+            kind, deviation = "difference", summary["differences"]
+        rows = [("contact half-width a [m]", summary["a"], contact.a * scales.length, deviation["a"])]
+        if "c" in deviation:
+            rows.append(("stick half-width c/a [-]", summary["c_over_a"], loop.c / loop.a, deviation["c"]))
+        if "dissipated_energy" in deviation:
+            theory = loop.dissipated_energy * scales.energy
+            computed = summary["dissipated_energy"]
+            rows.append(("energy per cycle [J/m]", computed, theory, deviation["dissipated_energy"]))
         lines = [f"{'':28s}{'computed':>16s}{'closed form':>16s}{'relative ' + kind:>22s}"]
         lines += [f"{name:28s}{value:16.8g}{theory:16.8g}{d:22.1e}" for name, value, theory, d in rows]
         for name in ("pressure", "traction", "slip"):
-            lines.append(f"{name + ' at +Q_A, L2 over contact':60s}{deviation[name + '_l2']:22.1e}")
+            if f"{name}_l2" in deviation:
+                lines.append(f"{name + ', L2 over the contact, last state':60s}{deviation[name + '_l2']:22.1e}")
         lines.append(f"reference: {summary['reference']}")
         return "\n".join(lines)

@@ -49,6 +49,8 @@ class Key:
         if self.kind is str:
             return " or ".join(map(json.dumps, self.choices)) or "a text"
         left, right = ("[" if self.closed[0] else "]"), ("]" if self.closed[1] else "[")
+        if self.kind is bool:
+            return "true or false"
         kind = "an integer" if self.kind is int else "a number"
         word = f' or "{self.word}"' if self.word else ""
         return f"{kind} in {left}{self.low:g}, {self.high:g}{right}{word}"
@@ -57,6 +59,10 @@ class Key:
         """``value`` as this key's type, or SceneError naming key, value and what is allowed."""
         if self.kind is str:
             if isinstance(value, str) and (not self.choices or value in self.choices):
+                return value
+            raise SceneError(f"{name} = {value!r} is not allowed: {self.allowed}")
+        if self.kind is bool:
+            if isinstance(value, bool):
                 return value
             raise SceneError(f"{name} = {value!r} is not allowed: {self.allowed}")
         if self.word and value == self.word:
@@ -82,7 +88,11 @@ LANGUAGE: dict[str, Key] = {
     "load.P": Key(0.0),
     "load.mu": Key(0.0),
     "load.amplitude": Key(0.0, 1.0),
-    "load.cycles": Key(1, 1000, 1, int, (True, True)),
+    "load.cycles": Key(0, 1000, 1, int, (True, True)),  # 0: stop at +Q_A
+    # what is simulated; friction is on where there is a tangential load
+    "effects.friction": Key(kind=bool, default=True),
+    "effects.coupling": Key(kind=bool, default=True),
+    "effects.friction_in_normal_stage": Key(kind=bool, default=False),
     # cell sizes in contact half-widths a
     "mesh.facet": Key(1e-3, 0.5, 0.025, closed=(True, True)),
     "mesh.edge_facet": Key(1e-6, 0.5, 1e-3, closed=(True, True)),
@@ -91,10 +101,12 @@ LANGUAGE: dict[str, Key] = {
     "mesh.layer_growth": Key(1.02, 3.0, 1.25, closed=(True, True)),
     "mesh.extent": Key(4.0, 1e4, 20.0, closed=(True, True)),
     "solver.method": Key(kind=str, default="condensed", choices=("condensed", "full")),
+    "solver.normal_increments": Key(1, 1000, 20, int, (True, True)),  # with friction in the normal stage
     "solver.increments": Key(1, 1000, 6, int, (True, True)),  # per quarter cycle
     "solver.gamma0": Key(1e-3, 1e6, 10.0, closed=(True, True)),
     "solver.theta": Key(-1.0, 1.0, 0.0, closed=(True, True)),
 }
+TANGENTIAL = ("load.mu", "load.amplitude", "load.cycles")  # not in a scene without friction
 ALTERNATIVES = ("solid.y0", "solid.y0_over_a0")  # exactly one of the two
 
 
@@ -123,13 +135,20 @@ class Scene:
 
     @cached_property
     def loop(self):
-        """Closed form of the fretting loop, [X5]."""
+        """Closed form of the fretting loop, [X5]; None without friction."""
+        if not self["effects.friction"]:
+            return None
         return self.contact.fretting(mu=self["load.mu"], z=1.0 - self["load.amplitude"])
 
     @property
     def is_decoupled(self) -> bool:
-        """True at the Holl ratio, where the closed forms are exact for a rigid indenter."""
+        """True at the Holl ratio, where normal and tangential problem do not see each other."""
         return abs(self["solid.nu"] * (2.0 + self["solid.k"]) - 1.0) < 1e-9
+
+    @property
+    def has_closed_form(self) -> bool:
+        """True where the closed forms describe the same problem: uncoupled, by nature or by choice."""
+        return self.is_decoupled or not (self["effects.friction"] and self["effects.coupling"])
 
     def to_toml(self, **extra: dict) -> str:
         """The resolved scene as TOML, followed by further tables (versions, for instance)."""
@@ -179,8 +198,15 @@ def resolve(given: dict[str, Any]) -> Scene:
         raise SceneError(f"exactly one of {' and '.join(ALTERNATIVES)} is to be given")
     if given.get("solver.theta", 0) != 0 and given.setdefault("solver.method", "full") != "full":
         raise SceneError('solver.theta other than 0 needs solver.method = "full"')
+    if "effects.friction" not in given and not any(name in given for name in TANGENTIAL):
+        given["effects.friction"] = False
+    left_out = TANGENTIAL if given.get("effects.friction") is False else ()
+    if given.get("effects.friction_in_normal_stage") is True and given.get("effects.coupling") is False:
+        raise SceneError("effects.friction_in_normal_stage = true needs effects.coupling = true: that is its subject")
     values: dict[str, Any] = {}
     for name, key in LANGUAGE.items():
+        if name in left_out:
+            continue
         if name in given:
             values[name] = key.read(name, given[name])
         elif key.default is not None:

@@ -7,27 +7,28 @@ from analytic.point_force import point_force_displacement
 from forms.modulus import PowerLaw
 
 from .condensed import Compliance, CondensedSystem
+from .effects import Effects
 from .full import FullSystem
 from .history import Entry, History
 from .mesh import Grading, columns, half_plane, layers
 from .observables import SurfaceSampler
-from .problem import Y, ContactProblem, HalfPlane, Nitsche
-from .programme import LoadProgramme, fretting_programme
+from .problem import X, Y, ContactProblem, HalfPlane, Nitsche
+from .programme import LoadProgramme, pressing, rocking
 from .scaling import Scales, scaled_solid
 from .scene import Scene
 from .timing import Stopwatch
 
 
-def dimensionless_loop(scene: Scene) -> FrettingLoop:
-    """The closed-form loop of a scene in scaled units: a = 1, R = 1, E = y^k."""
+def dimensionless_contact(scene: Scene) -> CylinderContact:
+    """The closed-form normal contact of a scene in scaled units: a = 1, R = 1, E = y^k."""
     P = scene["load.P"] / Scales.of(scene).line_load
-    contact = CylinderContact(scaled_solid(scene), R=1.0, P=P)
-    return contact.fretting(mu=scene["load.mu"], z=1.0 - scene["load.amplitude"])
+    return CylinderContact(scaled_solid(scene), R=1.0, P=P)
 
 
-def grading(scene: Scene, loop: FrettingLoop) -> Grading:
+def grading(scene: Scene, contact: CylinderContact, loop: FrettingLoop | None) -> Grading:
     """Cell sizes of a scene, graded to the contact and stick edges that the closed form expects."""
-    return Grading(edges=(-loop.a, -loop.c, loop.c, loop.a), **scene.section("mesh"))
+    edges = (contact.a,) if loop is None else (loop.c, contact.a)
+    return Grading(edges=(*(-e for e in reversed(edges)), *edges), **scene.section("mesh"))
 
 
 def parabola(x):
@@ -39,38 +40,56 @@ class Simulation:
     """A scene on a communicator, ready to run.
 
     ``history`` grows by one entry an increment while ``run`` is iterated; ``body`` then carries that entry's fields.
-    ``watch`` has the seconds spent in each phase.
+    ``contact`` and ``loop`` are the closed forms in scaled units; ``watch`` has the seconds spent in each phase.
     """
 
     def __init__(self, comm, scene: Scene, cells: Grading | None = None):
-        self.scene, self.loop = scene, dimensionless_loop(scene)
-        self.watch = Stopwatch()
+        self.scene, self.effects, self.watch = scene, Effects(scene), Stopwatch()
+        self.contact = dimensionless_contact(scene)
+        self.loop = None
+        if self.effects.friction:
+            self.loop = self.contact.fretting(mu=scene["load.mu"], z=1.0 - scene["load.amplitude"])
         with self.watch("mesh"):
             modulus = PowerLaw(scene["solid.k"])
-            cells = cells or grading(scene, self.loop)
-            bottom = modulus.depth_map().s(cells.extent)
-            mesh, facets = half_plane(comm, columns(cells), layers(cells, bottom))
+            cells = cells or grading(scene, self.contact, self.loop)
+            x, bottom = columns(cells), modulus.depth_map().s(cells.extent)
+            if self.effects.symmetry:
+                middle = len(x) // 2
+                x = x[middle:] - x[middle]
+            mesh, facets = half_plane(comm, x, layers(cells, bottom))
         with self.watch("forms"):  # compiles them the first time
             self.body = HalfPlane(mesh, facets, modulus, scene["solid.nu"], self._far_field(cells.extent))
             nitsche = Nitsche(scene["solver.gamma0"], scene["solver.theta"])
-            stages = [ContactProblem(self.body, parabola, nitsche, friction) for friction in (False, True)]
+            normal = ContactProblem(self.body, parabola, nitsche, (Y,))
+            frictional = None
+            if self.effects.friction:
+                directions = (X, Y) if self.effects.coupling else (X,)
+                frictional = ContactProblem(self.body, parabola, nitsche, directions)
         with self.watch("solve"):
-            self._solver = LoadProgramme(*stages, self._choose_system(), mu=scene["load.mu"])
+            mu = self.loop.mu if self.loop else 0.0
+            first = self.effects.friction_in_normal_stage
+            self.solver = LoadProgramme(normal, frictional, self._choose_system(), mu, first)
         self.body.delta.value[Y] = 0.5  # overlap on |x| < a: where Newton starts
-        self._sampler = SurfaceSampler(self.body, stages[0])
-        self.history = History(k=scene["solid.k"], mu=scene["load.mu"])
-        P, Q_A = self.loop.contact.P, self.loop.Q_A
-        self.programme = fretting_programme(P, Q_A, scene["load.cycles"], scene["solver.increments"])
+        self.sampler = SurfaceSampler(self.body, normal)
+        self.history = History(k=scene["solid.k"], mu=mu)
+        self.programme = self._programme()
+
+    def _programme(self):
+        scene, P = self.scene, self.contact.P
+        if self.loop is None:
+            return pressing(P)
+        stage = pressing(P, scene["solver.normal_increments"] if self.effects.friction_in_normal_stage else 1)
+        return stage + rocking(P, self.loop.Q_A, scene["load.cycles"], scene["solver.increments"])
 
     def run(self) -> Iterator[Entry]:
         """Solve increment after increment; SolveError where one fails."""
-        outcomes = self._solver.run(self.programme)
+        outcomes = self.solver.run(self.programme)
         while True:
             with self.watch("solve"):
                 outcome = next(outcomes, None)
             if outcome is None:
                 return
-            state = self._sampler.sample(self._solver.problem)
+            state = self.sampler.sample(self.solver.problem)
             yield self.history.append(outcome, state, self.watch.last)
 
     def _choose_system(self):

@@ -3,6 +3,7 @@
 from mpi4py import MPI
 
 from conftest import coarse_overrides
+from simulations.comparison import compare
 from simulations.scene import DEFAULT_SCENE, parse
 from simulations.simulation import Simulation
 
@@ -18,3 +19,8 @@ def solved(text=DEFAULT_SCENE, cells=None, **changes) -> Simulation:
     for _ in simulation.run():
         pass
     return simulation
+
+
+def deviations(simulation: Simulation) -> dict[str, float]:
+    """Deviations of a finished simulation from its closed forms."""
+    return compare(simulation.history, simulation.contact, simulation.loop)

@@ -10,7 +10,7 @@ from simulations.full import FullSystem
 from simulations.mesh import half_plane
 from simulations.newton import Newton
 from simulations.observables import SurfaceSampler
-from simulations.problem import ContactProblem, HalfPlane, Nitsche
+from simulations.problem import X, Y, ContactProblem, HalfPlane, Nitsche
 
 WIDTH, DEPTH, NU = 2.0, 1.5, 0.3
 
@@ -37,7 +37,7 @@ def press(body, friction, load, method):
     body.delta.value[:] = (0.0, 0.1)
     stages = [(False, (0.0, load[1])), (True, load)]
     for with_friction, stage_load in stages[: 1 + friction]:
-        problem = ContactProblem(body, lambda x: 0.0 * x, Nitsche(), with_friction)
+        problem = ContactProblem(body, lambda x: 0.0 * x, Nitsche(), (X, Y) if with_friction else (Y,))
         if with_friction:
             problem.mu.value = 0.5
             problem.release()
