@@ -23,6 +23,11 @@ class PowerLaw:
         """The depth coordinate in which the displacement is smooth."""
         return DepthMap.regularising(self.k)
 
+    def layer_mean(self, top, bottom):
+        """Exact mean of E over depths ``top`` to ``bottom`` (numpy arrays), top < bottom."""
+        power = 1.0 + self.k
+        return (bottom**power - top**power) / (power * (bottom - top))
+
     def surface_moduli(self, h, depth: DepthMap):
         """Finite surface values ``(along, into)`` of the modulus for a first cell of height ``h``.
 

@@ -11,6 +11,8 @@ import gmsh
 import numpy as np
 from dolfinx.io import gmshio
 
+from forms.depth import DepthMap
+
 SURFACE, FAR, SYMMETRY, BODY = 1, 2, 3, 4  # physical groups
 STRIP = 1.25  # contact is looked for on |x| < STRIP a; beyond, the columns may grow without limit
 
@@ -21,7 +23,7 @@ class Grading:
 
     edges: positions where pressure or traction end like a root, graded down to ``edge_facet``;
     facet: largest facet under the cylinder; growth, layer_growth: ratio of neighbouring columns, layers;
-    first_layer: height of the surface cells in mesh depth; extent: half-width and depth of the domain.
+    first_layer: height of the surface cells; extent: half-width and depth of the domain.
     """
 
     edges: tuple[float, ...]
@@ -29,7 +31,7 @@ class Grading:
     edge_facet: float = 1e-3
     growth: float = 1.3
     first_layer: float = 1e-3
-    layer_growth: float = 1.25
+    layer_growth: float = 1.3
     extent: float = 20.0
 
     def facet_size(self, x):
@@ -59,10 +61,16 @@ def columns(grading: Grading) -> np.ndarray:
     return nodes
 
 
-def layers(grading: Grading, bottom: float) -> np.ndarray:
-    """Mesh depths (n,) of the layers, 0 to ``bottom``, growing geometrically from ``first_layer``."""
-    growth, first = grading.layer_growth, grading.first_layer
-    n = int(np.ceil(np.log1p(bottom * (growth - 1) / first) / np.log(growth)))
+def layers(grading: Grading, depth: DepthMap) -> np.ndarray:
+    """Mesh depths (n,) of the layers, from the surface to ``extent``.
+
+    In physical depth they grow from ``first_layer`` by ``layer_growth``: y_i = r (growth^i - 1). In a mesh depth
+    s = y^(1/m) the field varies on the scale (r + y)^(1/m), which grows by growth^(1/m) a layer.
+    """
+    start = depth.s(grading.first_layer / (grading.layer_growth - 1))
+    growth = grading.layer_growth ** (1 / depth.m)
+    bottom = depth.s(grading.extent)
+    n = int(np.ceil(np.log1p(bottom / start) / np.log(growth)))
     s = np.expm1(np.arange(n + 1) * np.log(growth))
     return s * (bottom / s[-1])
 

@@ -98,7 +98,7 @@ LANGUAGE: dict[str, Key] = {
     "mesh.edge_facet": Key(1e-6, 0.5, 1e-3, closed=(True, True)),
     "mesh.growth": Key(1.02, 3.0, 1.3, closed=(True, True)),
     "mesh.first_layer": Key(1e-7, 0.5, 1e-3, closed=(True, True)),
-    "mesh.layer_growth": Key(1.02, 3.0, 1.25, closed=(True, True)),
+    "mesh.layer_growth": Key(1.02, 3.0, 1.3, closed=(True, True)),
     "mesh.extent": Key(4.0, 1e4, 20.0, closed=(True, True)),
     "solver.method": Key(kind=str, default="condensed", choices=("condensed", "full")),
     "solver.normal_increments": Key(1, 1000, 20, int, (True, True)),  # with friction in the normal stage

@@ -52,11 +52,11 @@ class Simulation:
         with self.watch("mesh"):
             modulus = PowerLaw(scene["solid.k"])
             cells = cells or grading(scene, self.contact, self.loop)
-            x, bottom = columns(cells), modulus.depth_map().s(cells.extent)
+            x = columns(cells)
             if self.effects.symmetry:
                 middle = len(x) // 2
                 x = x[middle:] - x[middle]
-            mesh, facets = half_plane(comm, x, layers(cells, bottom))
+            mesh, facets = half_plane(comm, x, layers(cells, modulus.depth_map()))
         with self.watch("forms"):  # compiles them the first time
             self.body = HalfPlane(mesh, facets, modulus, scene["solid.nu"], self._far_field(cells.extent))
             nitsche = Nitsche(scene["solver.gamma0"], scene["solver.theta"])
