@@ -1,6 +1,7 @@
 """Closed-form plane-strain contact and fretting of power-law graded half-planes.
 
-Equation numbers refer to Heß, Giesa, Riechert, Wilhayn, Appl. Sci. 2026, 16(1), 473; [X...] marks results beyond the paper.
+Numbers in brackets are the equations of Heß, Giesa, Riechert, Wilhayn, Appl. Sci. 2026, 16(1), 473;
+[X1] ... [X5] mark results beyond the paper. docs/equations.md lists where each is found and tested.
 """
 
 from .abel import PunchSuperposition

@@ -8,7 +8,7 @@ class UndefinedDisplacementError(ValueError):
 
 
 def require(name, value, low=0.0, high=inf, *, closed_low=False, closed_high=False):
-    """Raise ValueError unless value is a finite number with low < value < high (<= where closed)."""
+    """Raise ValueError unless value is finite and low < value < high, or <= where closed."""
     above = value >= low if closed_low else value > low
     below = value <= high if closed_high else value < high
     if not (above and below and isfinite(value)):
@@ -22,6 +22,7 @@ def require_positive_k(k, quantity):
     """Raise UndefinedDisplacementError for k <= 0, where displacements do not decay at infinity."""
     if k <= 0:
         raise UndefinedDisplacementError(
-            f"{quantity} does not exist for k = {k!r}: for k <= 0 the displacement of a loaded half-plane grows without "
-            "bound with the distance, so that only relative displacements are defined; 0 < k < 1 is required"
+            f"{quantity} does not exist for k = {k!r}: for k <= 0 the displacement of a loaded "
+            "half-plane grows without bound with the distance, so that only relative displacements "
+            "are defined; 0 < k < 1 is required"
         )

@@ -1,4 +1,4 @@
-"""Line load carried between -x and x by the cylinder's pressure (44), and by the difference of two such pressures (47)."""
+"""Line load between -x and x under the cylinder: of the pressure (44), of the traction (47)."""
 
 from math import sqrt
 
@@ -6,9 +6,9 @@ import numpy as np
 from scipy.special import beta as euler_beta
 from scipy.special import betainc
 
-TERMS = (
-    80  # arguments of the series do not exceed 0.6, and 0.6^80 is below the resolution of binary64
-)
+from .special import log_remainder
+
+TERMS = 80  # arguments do not exceed 0.6, and 0.6^80 is below the resolution of binary64
 NARROW = 0.9  # from this ratio of the half-widths on, the two loads are not subtracted
 
 
@@ -26,14 +26,13 @@ def load_fraction(x, a, k):
 
 
 def load_fraction_difference(x, a, log_ratio, k):
-    """∫_{-x}^{x} [p(x; P) - p(x; zP)] dx / P with z = e^log_ratio; odd in x, ±(1-z) for |x| >= a; any shape.
+    """∫_{-x}^{x} [p(x; P) - p(x; zP)] dx / P, z = e^log_ratio; odd in x, ±(1-z) beyond ±a.
 
-    Outside the smaller half-width s = e^log_gamma a it is 1-z minus the tail. Inside, where the two loads nearly cancel for
-    z -> 1, series with positive terms are summed: over (x/s)² in the middle, over 1 - x²/a² for the tail near s.
+    Outside the smaller half-width s = e^log_gamma a it is 1-z minus the tail. Inside, where the two
+    loads nearly cancel for z -> 1, series with positive terms are summed: over (x/s)² in the
+    middle, over 1 - x²/a² for the tail near s. x and log_ratio of any shape.
     """
-    x, log_ratio = np.broadcast_arrays(
-        np.asarray(x, dtype=float), np.asarray(log_ratio, dtype=float)
-    )
+    x, log_ratio = np.broadcast_arrays(np.asarray(x, dtype=float), log_ratio)
     sign, x = np.sign(x), np.minimum(np.abs(x), a)
     log_gamma = log_ratio / (2 + k)
     half, to_edge = (3 + k) / 2, (a - x) / a
@@ -56,7 +55,7 @@ def load_fraction_difference(x, a, log_ratio, k):
 
 
 def _middle(x, log_gamma, k):
-    """I_{x²}(1/2,(3+k)/2) - gamma^(2+k) I_{x²/gamma²}(1/2,(3+k)/2) by powers of (x/gamma)² <= 1/2."""
+    """I_{x²}(1/2,b) - gamma^(2+k) I_{x²/gamma²}(1/2,b), b = (3+k)/2, by powers of (x/gamma)²."""
     t = (x * np.exp(-log_gamma)) ** 2
     power, coefficient, total = np.ones_like(t), 1.0, np.zeros_like(t)
     for n in range(1, TERMS):
@@ -68,22 +67,15 @@ def _middle(x, log_gamma, k):
 
 
 def _narrow_tail(x, y, to_s, log_gamma, k):
-    """I_y((3+k)/2,1/2) - gamma^(2+k) I_y'((3+k)/2,1/2) with y = 1 - x², y' = 1 - x²/gamma², by powers of y <= 0.6."""
+    """I_y(b,1/2) - gamma^(2+k) I_y'(b,1/2), b = (3+k)/2, y' = 1 - x²/gamma², by powers of y."""
     half = (3 + k) / 2
     gamma = np.exp(log_gamma)
-    lost = -np.expm1(2 * log_gamma) / y
-    log_depth = np.where(
-        lost < 0.5, np.log1p(-np.minimum(lost, 0.5)), np.log(to_s * (gamma + x) / y)
-    )
+    log_depth = log_remainder(-np.expm1(2 * log_gamma) / y, np.log(to_s * (gamma + x) / y))
     power, coefficient, total = y**half, 1.0, np.zeros_like(y)
     for n in range(TERMS):
         if n:
             coefficient *= (n - 0.5) / n
             power = power * y
-        total -= (
-            coefficient
-            / (half + n)
-            * power
-            * np.expm1((2 + k) * log_gamma + (half + n) * (log_depth - 2 * log_gamma))
-        )
+        exponent = (2 + k) * log_gamma + (half + n) * (log_depth - 2 * log_gamma)
+        total -= coefficient / (half + n) * power * np.expm1(exponent)
     return total / euler_beta(half, 0.5)

@@ -12,6 +12,7 @@ from .fretting import FrettingLoop
 from .material import GradedHalfPlane
 from .partial_slip import PartialSlip
 from .special import (
+    log_remainder,
     parabolic_displacement,
     parabolic_gap,
     parabolic_gap_slope,
@@ -22,9 +23,11 @@ from .special import (
 
 @dataclass(frozen=True)
 class CylinderContact:
-    """Cylinder f(x) = x²/(2R) pressed by the line load P on a graded half-plane (or a pair of them).
+    """Cylinder f(x) = x²/(2R) pressed by a line load on a graded half-plane or a pair of them.
 
-    R: radius [length]; P: load per unit length [stress x length], P > 0. Fields take x of any shape and return that shape.
+    R: radius [length]; P: load per unit length [stress x length]; both positive, else ValueError.
+    Fields take x of any shape and return that shape. Methods that end in _difference compare with
+    the same contact under the load e^log_ratio P, of half-width s, without cancellation.
     """
 
     solid: GradedHalfPlane
@@ -35,22 +38,14 @@ class CylinderContact:
         require("R", self.R)
         require("P", self.P)
 
-    # -- scalars ---------------------------------------------------------------------------------------------------
+    # -- scalars -----------------------------------------------------------------------------------
 
     @cached_property
     def a(self):
         """Contact half-width [length], from (43)."""
         k = self.solid.k
-        power = (
-            2
-            * self.R
-            * self.P
-            * self.solid.normal_compliance
-            * gamma((4 + k) / 2)
-            * gamma((1 - k) / 2)
-            / sqrt(pi)
-        )
-        return power ** (1 / (2 + k))
+        gammas = gamma((4 + k) / 2) * gamma((1 - k) / 2) / sqrt(pi)
+        return (2 * self.R * self.P * self.solid.normal_compliance * gammas) ** (1 / (2 + k))
 
     @cached_property
     def a0(self):
@@ -69,7 +64,7 @@ class CylinderContact:
         require_positive_k(self.solid.k, "the indentation delta_y")
         return self.a**2 / (2 * self.R * self.solid.k)
 
-    # -- fields ----------------------------------------------------------------------------------------------------
+    # -- fields ------------------------------------------------------------------------------------
 
     def profile(self, x):
         """Shape of the cylinder f(x) [length], (41)."""
@@ -84,17 +79,17 @@ class CylinderContact:
         """Contact pressure p(x) [stress], zero for |x| >= a, (44)."""
         x = np.abs(np.asarray(x, dtype=float))
         depth = np.maximum(self.a - x, 0) / self.a * ((self.a + x) / self.a)
-        # the exponent tends to 0 for k -> -1, so that 0**exponent must not be trusted to vanish by itself
-        return np.where(x < self.a, self.peak_pressure * depth ** ((1 + self.solid.k) / 2), 0.0)[()]
+        p = self.peak_pressure * depth ** ((1 + self.solid.k) / 2)
+        return np.where(x < self.a, p, 0.0)[()]
 
     def pressure_within(self, x):
-        """Load carried between -x and x, ∫_{-x}^{x} p dx [stress x length]; odd in x, ±P beyond ±a."""
+        """∫_{-x}^{x} p dx [stress x length], the load between -x and x; odd in x, ±P beyond ±a."""
         return self.P * load_fraction(x, self.a, self.solid.k)
 
     def relative_displacement(self, x, half_width=None):
-        """h_y(x) [length]: depth of the surface point 0 below x; f(x) within the contact, (45) as [X2] beside it.
+        """h_y(x) [length]: depth of the point x = 0 below x; f(x) in the contact, (45) beside it.
 
-        half_width: that of another load, instead of a.
+        half_width: that of another load, instead of a. Evaluated as [X2].
         """
         s = self.a if half_width is None else half_width
         x = np.abs(np.asarray(x, dtype=float))
@@ -118,7 +113,7 @@ class CylinderContact:
             self.profile(x) * parabolic_displacement(beside, self.a, k),
         )[()]
 
-    # -- difference to the same contact under the load e^log_ratio P, without cancellation for log_ratio -> 0 --------
+    # -- difference to the same contact under the load e^log_ratio P -------------------------------
 
     def half_width(self, log_ratio):
         """Half-width s under the load e^log_ratio P [length], (43)."""
@@ -126,9 +121,7 @@ class CylinderContact:
 
     def _inner(self, x, log_ratio):
         """|x|, s, s - |x| and a - s; the last two without the rounding error of s."""
-        x, log_ratio = np.broadcast_arrays(
-            np.abs(np.asarray(x, dtype=float)), np.asarray(log_ratio, dtype=float)
-        )
+        x, log_ratio = np.broadcast_arrays(np.abs(np.asarray(x, dtype=float)), log_ratio)
         s = self.half_width(log_ratio)
         width = -self.a * np.expm1(log_ratio / (2 + self.solid.k))
         return x, s, np.where(width < self.a / 2, (self.a - x) - width, s - x), width
@@ -141,9 +134,8 @@ class CylinderContact:
         x, s, to_s, width = x[stick], s[stick], to_s[stick], width[stick]
         whole = (self.a - x) * (self.a + x)
         lost = width * (self.a + s) / whole  # (a² - s²)/(a² - x²)
-        direct = np.log(to_s / (self.a - x)) + np.log((s + x) / (self.a + x))
-        log_depth = np.where(lost < 0.5, np.log1p(-np.minimum(lost, 0.5)), direct)
-        result[stick] *= -np.expm1((1 + self.solid.k) / 2 * log_depth)
+        log_left = np.log(to_s / (self.a - x)) + np.log((s + x) / (self.a + x))
+        result[stick] *= -np.expm1((1 + self.solid.k) / 2 * log_remainder(lost, log_left))
         return result[()]
 
     def pressure_difference_within(self, x, log_ratio):
@@ -151,22 +143,16 @@ class CylinderContact:
         return self.P * load_fraction_difference(x, self.a, log_ratio, self.solid.k)
 
     def relative_displacement_difference(self, x, log_ratio):
-        """h_y(x, a) - h_y(x, s) [length], which is f - h_y(x, s) within the contact: bracket of (36), as [X2]."""
+        """h_y(x, a) - h_y(x, s) [length], within the contact f - h_y(x, s) of (36), as [X2]."""
+        k = self.solid.k
         x, s, to_s, _ = self._inner(x, log_ratio)
-        return self.profile(x) * (
-            parabolic_gap(x, s, self.solid.k, -to_s) - parabolic_gap(x, self.a, self.solid.k)
-        )
+        return self.profile(x) * (parabolic_gap(x, s, k, -to_s) - parabolic_gap(x, self.a, k))
 
     def gradient_difference(self, x, log_ratio):
         """Derivative of relative_displacement_difference [1], [X3]; odd in x."""
-        sign, k = np.sign(x), self.solid.k
+        k, slope = self.solid.k, np.asarray(x, dtype=float) / self.R
         x, s, to_s, _ = self._inner(x, log_ratio)
-        return (
-            sign
-            * x
-            / self.R
-            * (parabolic_gap_slope(x, s, k, -to_s) - parabolic_gap_slope(x, self.a, k))
-        )
+        return slope * (parabolic_gap_slope(x, s, k, -to_s) - parabolic_gap_slope(x, self.a, k))
 
     def indentation_difference(self, log_ratio):
         """delta_y(a) - delta_y(s) [length], bracket of (40) and (49). k > 0 only."""
@@ -178,21 +164,20 @@ class CylinderContact:
         L = -np.asarray(log_ratio, dtype=float) / (2 + k)
         U, V = (4 + k) * L / 2, k * L / 2
         printed = -np.expm1(-2 * U) / (4 + k) - np.exp(-2 * L) * (-np.expm1(-2 * V) / k if k else L)
-        # for small L the printed terms agree to the third order; sinh(U)/U - sinh(V)/V as a series does not cancel
+        # the printed terms agree to third order in L; the series of sinh(U)/U - sinh(V)/V does not
         u, v = np.minimum(U, 1) ** 2, np.minimum(np.abs(V), 1) ** 2
         n = np.arange(1, 10)
         factorial = np.cumprod(2 * n * (2 * n + 1.0))
         series = sum((u**i - v**i) / f for i, f in zip(n, factorial, strict=True))
-        return (
-            2 * self.P * self.a**2 / self.R * np.where(U < 1, L * np.exp(-U) * series, printed)[()]
-        )
+        S = np.where(U < 1, L * np.exp(-U) * series, printed)[()]
+        return 2 * self.P * self.a**2 / self.R * S
 
-    # -- tangential loading ----------------------------------------------------------------------------------------
+    # -- tangential loading ------------------------------------------------------------------------
 
     def partial_slip(self, mu, Q=None, z=None):
-        """State under a tangential load Q, |Q| < mu P, applied monotonically; z = 1 - Q/(mu P) instead of Q near full slip."""
+        """State under a monotone load Q [stress x length], |Q| < mu P, or by z = 1 - Q/(mu P)."""
         return PartialSlip.from_load(self, mu, Q, z)
 
     def fretting(self, mu, Q_A=None, z=None):
-        """Loop between Q_A and -Q_A, 0 <= Q_A < mu P, at constant P; z = 1 - Q_A/(mu P) instead of Q_A near full slip."""
+        """Loop between ±Q_A [stress x length], 0 <= Q_A < mu P, or by z = 1 - Q_A/(mu P)."""
         return FrettingLoop.from_load(self, mu, Q_A, z)

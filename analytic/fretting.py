@@ -5,24 +5,25 @@ from dataclasses import dataclass
 import numpy as np
 
 from .partial_slip import PartialSlip
+from .special import log_remainder
 
-ROUND_OFF = (
-    1e-14  # a load this close (relative to Q_A) beyond the end of a branch is taken as the end
-)
+ROUND_OFF = 1e-14  # a load beyond the end of a branch by this share of Q_A is taken as the end
 
 
 @dataclass(frozen=True)
 class FrettingLoop:
-    """Initial loading 0 -> Q_A, unloading Q_A -> -Q_A, reloading -Q_A -> Q_A; amplitude is the state at Q_A.
+    """Initial loading 0 -> Q_A, unloading Q_A -> -Q_A, reloading -Q_A -> Q_A at constant P.
 
-    The fields of x take Q of any shape as well (broadcast with x) where the contact is a CylinderContact.
+    amplitude: the state at Q_A. branch is 'initial', 'unloading' or 'reloading'. The fields take x
+    of any shape and, for a CylinderContact, Q of any shape as well (broadcast with x). A load
+    outside the branch raises ValueError.
     """
 
     amplitude: PartialSlip
 
     @classmethod
     def from_load(cls, contact, mu, Q_A=None, z=None):
-        """Loop of amplitude Q_A, 0 <= Q_A < mu P, or of that given by z = 1 - Q_A/(mu P), 0 < z <= 1."""
+        """Loop of amplitude Q_A, 0 <= Q_A < mu P, or by z = 1 - Q_A/(mu P), 0 < z <= 1."""
         if Q_A is not None and not Q_A >= 0:
             raise ValueError(f"Q_A = {Q_A!r} is outside the admissible range 0 <= Q_A < mu P")
         return cls(PartialSlip.from_load(contact, mu, Q_A, z))
@@ -58,17 +59,16 @@ class FrettingLoop:
 
     @property
     def dissipated_energy(self):
-        """Energy dissipated per cycle and unit thickness, 8 ∫_c^a q h_x dx [stress x length²], (52), [X4]."""
-        return (
-            self.mu**2 * self.contact.solid.alpha * self.contact.slip_work(self.amplitude.log_ratio)
-        )
+        """Energy per cycle and thickness, 8 ∫_c^a q h_x dx [stress x length²], (52), [X4]."""
+        work = self.contact.slip_work(self.amplitude.log_ratio)
+        return self.mu**2 * self.contact.solid.alpha * work
 
     def active_half_width(self, Q, branch):
-        """Half-width d of the zone that has stuck since the last turn of the load [length], c <= d <= a, [X5]."""
+        """Half-width d of the zone that has stuck since the last turn [length], [X5]."""
         return self._step(Q, branch).c
 
     def traction(self, x, Q, branch):
-        """Tangential traction [stress] at the load Q on a branch 'initial', 'unloading' or 'reloading', [X5]."""
+        """Tangential traction [stress] at the load Q on a branch, [X5]."""
         return self._state(Q, branch, lambda state: state.traction(x))
 
     def traction_within(self, x, Q, branch):
@@ -80,11 +80,11 @@ class FrettingLoop:
         return self._state(Q, branch, lambda state: state.slip(x))
 
     def rigid_shift(self, Q, branch):
-        """Displacement delta_x of the zone |x| < c [length] at the load Q on a branch, (40) with [X5]. k > 0 only."""
+        """Displacement delta_x of |x| < c [length] at Q on a branch, (40), [X5]. k > 0 only."""
         return self._state(Q, branch, lambda state: state.rigid_shift)
 
     def _state(self, Q, branch, field):
-        """Field at Q: that of the last turn of the load plus twice the field of half the step since."""
+        """Field at Q: that of the last turn of the load plus twice that of half the step since."""
         step = self._step(Q, branch)
         if branch == "initial":
             return field(step)
@@ -92,7 +92,7 @@ class FrettingLoop:
         return turn * field(self.amplitude) + 2 * field(step)
 
     def _step(self, Q, branch):
-        """Partial slip under Q on the initial branch, else under half the load step since the last turn."""
+        """Partial slip under Q on the initial branch, else under half the step since the turn."""
         Q_A = self.Q_A
         branches = {"initial": (0.0, Q_A), "unloading": (Q_A, -Q_A), "reloading": (-Q_A, Q_A)}
         if branch not in branches:
@@ -105,7 +105,7 @@ class FrettingLoop:
         Q = np.clip(Q, low, high)
         share = 1 if branch == "initial" else 0.5
         limit, step = self.mu * self.contact.P, share * (Q - start)
-        # 1 - |step|/limit loses digits where the loop nearly slides; z and the load still to come do not
+        # where the loop nearly slides, z and the load still to come give 1 - ratio more accurately
         ratio, rest = np.abs(step) / limit, self.amplitude.z + share * np.abs(end - Q) / limit
-        log_ratio = np.where(ratio < 0.5, np.log1p(-np.minimum(ratio, 0.5)), np.log(rest))[()]
+        log_ratio = log_remainder(ratio, np.log(rest))
         return PartialSlip(self.contact, self.mu, step, log_ratio)

@@ -1,4 +1,4 @@
-"""Elastic half-plane whose Young's modulus follows a power law in depth: equations (1)-(4), (37)."""
+"""Elastic half-plane with a power law of Young's modulus in depth: equations (1)-(4), (37)."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -13,7 +13,8 @@ from .checks import require
 class GradedHalfPlane:
     """Half-plane y > 0 with E(y) = E0 (y/y0)^k and constant Poisson's ratio nu, in plane strain.
 
-    E0: modulus at the depth y0 [stress]; nu: -1 < nu <= 1/2; k: -1 < k < 1; y0: characteristic depth [length].
+    E0: modulus at the depth y0 [stress], positive; nu: -1 < nu <= 1/2; k: -1 < k < 1;
+    y0: characteristic depth [length], positive. Other values raise ValueError.
     The normal and tangential problems decouple exactly only at nu = holl_ratio(k).
     """
 
@@ -35,7 +36,7 @@ class GradedHalfPlane:
         return 1 / (2 + k)
 
     def modulus(self, y):
-        """Young's modulus at depth y >= 0 [stress], (1). At the surface it is 0 for k > 0 and infinite for k < 0."""
+        """Young's modulus at depth y >= 0 [stress], (1); 0 or infinite at y = 0 if k ≠ 0."""
         y = np.asarray(y, dtype=float)
         if np.any(y < 0):
             raise ValueError(f"depth y = {y.min()!r} is outside the body, y >= 0")
@@ -101,12 +102,12 @@ class GradedHalfPlane:
 
     @property
     def normal_compliance(self):
-        """(bk) y0^k / E0 [length^k / stress]: the factor of the normal kernel in (2), times k."""
+        """(bk) y0^k / E0 [length^k / stress]: factor of the normal kernel in (2), times k."""
         return self.bk * self.y0**self.k / self.E0
 
     @property
     def tangential_compliance(self):
-        """(gk) y0^k / E0 [length^k / stress]: the factor of the tangential kernel in (2), times k."""
+        """(gk) y0^k / E0 [length^k / stress]: factor of the tangential kernel in (2), times k."""
         return self.gk * self.y0**self.k / self.E0
 
     @property

@@ -1,4 +1,4 @@
-"""Normal contact of a convex symmetric indenter of any shape with a graded half-plane: equations (5)-(8), (10), (11)."""
+"""Normal contact of a convex symmetric indenter of any shape: equations (5)-(8), (10), (11)."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -13,16 +13,20 @@ from .fretting import FrettingLoop
 from .material import GradedHalfPlane
 from .partial_slip import PartialSlip
 from .profile import Profile, abel_factor, density_power
-from .quadrature import two_sided_rule
+from .quadrature import plain_rule
 from .special import punch_rigid_factor
+
+ENERGY_NODES = 64
+ROOT = {"xtol": 1e-15, "rtol": 1e-15}  # of logarithms of half-widths: all digits
 
 
 @dataclass(frozen=True)
 class ProfileContact:
     """Indenter f(x) in contact over |x| < a; fields take x of any shape and return that shape.
 
-    profile: a Profile or PowerProfile. a: contact half-width [length], a > profile.flat; from_load finds it from P.
-    Slip in partial slip and fretting is available for |x| <= a as for the cylinder, at one load Q at a time.
+    profile: a Profile or PowerProfile. a: contact half-width [length], a > profile.flat, else
+    ValueError; from_load finds it from the load. The methods are those of CylinderContact, with
+    log_ratio, and with it the load Q of partial slip and fretting, a single number.
     """
 
     solid: GradedHalfPlane
@@ -34,7 +38,7 @@ class ProfileContact:
 
     @classmethod
     def from_load(cls, solid, profile, P, a_max):
-        """Contact under the line load P [stress x length]; the profile is defined at least for |x| <= a_max [length]."""
+        """Contact under the line load P [stress x length], whose half-width is at most a_max."""
         require("P", P)
         flat = profile.flat
         require("P", P, high=cls(solid, profile, a_max).P, closed_high=True)
@@ -48,9 +52,9 @@ class ProfileContact:
         low = -1.0
         while excess(low) > 0:
             low *= 2
-        return cls(solid, profile, half_width(brentq(excess, low, 0.0, xtol=1e-15, rtol=1e-15)))
+        return cls(solid, profile, half_width(brentq(excess, low, 0.0, **ROOT)))
 
-    # -- normal contact ------------------------------------------------------------------------------------------------
+    # -- normal contact ----------------------------------------------------------------------------
 
     def density(self, s, edge=None):
         """n_y(s) [stress / length^k], (5)."""
@@ -61,20 +65,18 @@ class ProfileContact:
     def P(self):
         """Line load [stress x length], (6), where the integral undoes the derivative in (5)."""
         k = self.solid.k
-        return float(
-            abel_factor(k, self.solid.normal_compliance) * self.profile.abel_integral(self.a, k)
-        )
+        factor = abel_factor(k, self.solid.normal_compliance)
+        return float(factor * self.profile.abel_integral(self.a, k))
 
     @cached_property
     def _punches(self):
-        power = density_power(self.profile, self.solid.k)
+        return self._between(self.profile.flat, None, density_power(self.profile, self.solid.k))
+
+    def _between(self, start, width, power=0.0):
+        """The punches start < s < a; width = a - start."""
+        k, compliance = self.solid.k, self.solid.normal_compliance
         return PunchSuperposition(
-            self.solid.k,
-            self.solid.normal_compliance,
-            self.density,
-            self.a,
-            self.profile.flat,
-            power,
+            k, compliance, self.density, self.a, start, power=power, width=width
         )
 
     def pressure(self, x):
@@ -86,12 +88,10 @@ class ProfileContact:
         return self._punches.traction_within(x)
 
     def relative_displacement(self, x):
-        """h_y(x) [length], (8): the profile itself within the contact, by the boundary condition that (5) solves."""
+        """h_y(x) [length], (8); in the contact f(x), the boundary condition that (5) solves."""
         x = np.abs(np.asarray(x, dtype=float))
-        inside = np.minimum(x, self.a)
-        return np.where(
-            x <= self.a, self.profile.height(inside), self._punches.relative_displacement(x)
-        )[()]
+        inside = self.profile.height(np.minimum(x, self.a))
+        return np.where(x <= self.a, inside, self._punches.relative_displacement(x))[()]
 
     def displacement(self, x):
         """u_y(x) [length], (10). k > 0 only."""
@@ -103,7 +103,7 @@ class ProfileContact:
         require_positive_k(self.solid.k, "the indentation delta_y")
         return self._punches.rigid_displacement
 
-    # -- difference to the same contact under the load e^log_ratio P ----------------------------------------------------
+    # -- difference to the same contact under the load e^log_ratio P -------------------------------
 
     def half_width(self, log_ratio):
         """Half-width s under the load e^log_ratio P [length], (6)."""
@@ -118,7 +118,7 @@ class ProfileContact:
         return self._added(log_ratio).traction_within(x)
 
     def relative_displacement_difference(self, x, log_ratio):
-        """h_y(x, a) - h_y(x, s) [length], which is f - h_y(x, s) within the contact: bracket of (36), as in (35)."""
+        """h_y(x, a) - h_y(x, s) [length], within the contact f - h_y(x, s) of (36), as in (35)."""
         return self._added(log_ratio).relative_displacement(x)
 
     def gradient_difference(self, x, log_ratio):
@@ -132,63 +132,44 @@ class ProfileContact:
     def slip_work(self, log_ratio):
         """8 ∫_s^a p(x, a) [f(x) - h_y(x, s)] dx [stress x length²]: (52) over mu² alpha.
 
-        As a double integral over punches (27)-(31) it is, by reciprocity, one over the load P(s') alone:
-        4 D ∫_s^a [P(a) - P(s')] [P(s') - P(s)] s'^(-k-1) ds' with D = (bk) y0^k/E0 Γ((2+k)/2)Γ((1-k)/2)/√π.
+        Punches (27)-(31) of half-widths s' < s" do the work D (s'^-k - s"^-k)/k on each other, by
+        reciprocity, where D = (bk) y0^k/E0 Γ((2+k)/2)Γ((1-k)/2)/√π. By parts their sum becomes
+        4 D ∫_s^a [P(a) - P(s')] [P(s') - P(s)] s'^(-k-1) ds'.
         """
         k, added = self.solid.k, self._added(log_ratio)
-        t, rest, weight = two_sided_rule(1.0, 1.0, 64)
-        s = added.start + added.width * t
-
-        below = np.array(
-            [replace(added, a=si, width=added.width * ti).load for si, ti in zip(s, t, strict=True)]
-        )
-        above = np.array(
-            [
-                replace(added, start=si, width=added.width * ri).load
-                for si, ri in zip(s, rest, strict=True)
-            ]
-        )
-        integral = added.width * (weight @ (above * below * s ** (-k - 1) / (t * rest)))
+        t, rest, weight = plain_rule(1.0, 1.0, ENERGY_NODES)
+        s, below, above = added.start + added.width * t, added.width * t, added.width * rest
+        nodes = range(s.size)
+        load_below = np.array([replace(added, a=s[i], width=below[i]).load for i in nodes])
+        load_above = np.array([replace(added, start=s[i], width=above[i]).load for i in nodes])
+        integral = added.width * np.sum(weight * load_above * load_below * s ** (-k - 1))
         return 4 * self.solid.normal_compliance * punch_rigid_factor(k) * integral
-
-    # -- tangential loading ----------------------------------------------------------------------------------------
-
-    def partial_slip(self, mu, Q=None, z=None):
-        """State under a tangential load Q, |Q| < mu P, applied monotonically; z = 1 - Q/(mu P) instead of Q near full slip."""
-        return PartialSlip.from_load(self, mu, Q, z)
-
-    def fretting(self, mu, Q_A=None, z=None):
-        """Loop between Q_A and -Q_A, 0 <= Q_A < mu P, at constant P; z = 1 - Q_A/(mu P) instead of Q_A near full slip."""
-        return FrettingLoop.from_load(self, mu, Q_A, z)
 
     def _added(self, log_ratio):
         """Punches between s and a, with the width a - s as accurate as s itself."""
         whole = self.a - self.profile.flat
         fraction = -expm1(log_ratio)
-
-        def punches(start, width):
-            return PunchSuperposition(
-                self.solid.k,
-                self.solid.normal_compliance,
-                self.density,
-                self.a,
-                start,
-                power=0.0,
-                width=width,
-            )
-
         if fraction == 0:
-            return punches(self.a, 0.0)
-        if fraction < 0.25 * min(1.0, self.profile.order + self.solid.k):
-            t = brentq(
-                lambda t: log(
-                    punches(self.a - whole * exp(t), whole * exp(t)).load / (self.P * fraction)
-                ),
-                log(fraction) - 5,
-                -1e-3,
-                xtol=1e-15,
-                rtol=1e-15,
-            )
-            return punches(self.a - whole * exp(t), whole * exp(t))
-        inner = ProfileContact.from_load(self.solid, self.profile, self.P * exp(log_ratio), self.a)
-        return punches(inner.a, self.a - inner.a)
+            return self._between(self.a, 0.0)
+        if fraction >= 0.25 * min(1.0, self.profile.order + self.solid.k):
+            smaller = self.P * exp(log_ratio)
+            inner = ProfileContact.from_load(self.solid, self.profile, smaller, self.a)
+            return self._between(inner.a, self.a - inner.a)
+
+        def outer(t):
+            return self._between(self.a - whole * exp(t), whole * exp(t))
+
+        def excess(t):
+            return log(outer(t).load / (self.P * fraction))
+
+        return outer(brentq(excess, log(fraction) - 5, -1e-3, **ROOT))
+
+    # -- tangential loading ------------------------------------------------------------------------
+
+    def partial_slip(self, mu, Q=None, z=None):
+        """State under a monotone load Q [stress x length], |Q| < mu P, or by z = 1 - Q/(mu P)."""
+        return PartialSlip.from_load(self, mu, Q, z)
+
+    def fretting(self, mu, Q_A=None, z=None):
+        """Loop between ±Q_A [stress x length], 0 <= Q_A < mu P, or by z = 1 - Q_A/(mu P)."""
+        return FrettingLoop.from_load(self, mu, Q_A, z)

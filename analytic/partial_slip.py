@@ -1,7 +1,7 @@
-"""Partial slip at constant normal load under a monotone tangential load: equations (25)-(36), (40) and (47)-(50).
+"""Partial slip at constant P under a monotone tangential load: (25)-(36), (40), (47)-(50).
 
-By the Ciavarella-Jäger theorem every tangential field is mu, or mu alpha, times a difference of two normal contacts: the
-actual one and the one whose half-width is the stick half-width c.
+By the Ciavarella-Jäger theorem every tangential field is mu, or mu alpha, times the difference of
+two normal contacts: the actual one and the one whose half-width is the stick half-width c.
 """
 
 from dataclasses import dataclass
@@ -11,10 +11,11 @@ from typing import Protocol
 import numpy as np
 
 from .checks import require
+from .special import log_remainder
 
 
 class NormalContact(Protocol):
-    """What partial slip needs of a normal contact; log_ratio = ln(P(s)/P) selects a smaller half-width s."""
+    """What partial slip needs of a normal contact; log_ratio = ln(P(s)/P) selects s <= a."""
 
     P: float
     a: float
@@ -56,7 +57,7 @@ class PartialSlip:
 
     @classmethod
     def from_load(cls, contact, mu, Q=None, z=None):
-        """State under Q, |Q| < mu P, or under the positive load given by z = 1 - Q/(mu P), 0 < z <= 1."""
+        """State under Q, |Q| < mu P, or under a positive load by z = 1 - Q/(mu P), 0 < z <= 1."""
         require("mu", mu)
         if (Q is None) == (z is None):
             raise ValueError("give exactly one of the tangential load and z = 1 - Q/(mu P)")
@@ -64,10 +65,10 @@ class PartialSlip:
         if z is not None:
             require("z", z, 0, 1, closed_high=True)
             return cls(contact, mu, limit * (1 - z), np.log(z))
-        if not abs(Q) <= limit or (left := _exact_difference(mu, contact.P, abs(Q))) <= 0:
+        if not abs(Q) < limit or (left := _exact_difference(mu, contact.P, abs(Q))) <= 0:
             raise ValueError(f"Q = {Q!r} is outside the admissible range |Q| < mu P = {limit!r}")
         ratio = abs(Q) / limit
-        return cls(contact, mu, Q, np.log1p(-ratio) if ratio < 0.5 else np.log(left / limit))
+        return cls(contact, mu, Q, log_remainder(ratio, np.log(left / limit)))
 
     @property
     def a(self):
@@ -90,14 +91,14 @@ class PartialSlip:
 
     def traction_within(self, x):
         """∫_{-x}^{x} q dx [stress x length]; odd in x, ±Q beyond ±a."""
-        return (
-            self._direction * self.mu * self.contact.pressure_difference_within(x, self.log_ratio)
-        )
+        difference = self.contact.pressure_difference_within(x, self.log_ratio)
+        return self._direction * self.mu * difference
 
     def slip(self, x):
         """Slip h_x(x) = mu alpha [f(x) - h_y(x,c)] [length], zero in the stick zone, (36), (50).
 
-        For |x| > a, where f is replaced by h_y(x,a), it is the displacement of the free surface relative to the stick zone, (21).
+        For |x| > a it is the displacement of the free surface relative to the stick zone, (21),
+        with h_y(x,a) in place of f.
         """
         return self._shift(self.contact.relative_displacement_difference(x, self.log_ratio))
 

@@ -56,7 +56,7 @@ class Profile:
         return self._weighted(s, k, integrand, left)
 
     def _weighted(self, s, k, integrand, left):
-        """∫_{flat/s}^1 integrand (1-t²)^((k-1)/2) dt, x = s t; integrand ~ u^left or higher at 0."""
+        """∫_{flat/s}^1 integrand (1-t²)^((k-1)/2) dt, x = s t; integrand ~ u^left or higher."""
         s = np.asarray(s, dtype=float)[..., None]
         width = np.maximum(s - self.flat, SMALLEST_WIDTH * s)
         right = (k - 1) / 2
@@ -69,7 +69,7 @@ class Profile:
 
 @dataclass(frozen=True)
 class PowerProfile:
-    """f(x) = A |x|^m with m >= 1: wedge, cylinder, and blunter shapes, whose Abel transform is closed."""
+    """f(x) = A |x|^m, A > 0, m >= 1: wedge, cylinder, blunter shapes; their transform is closed."""
 
     A: float
     m: float

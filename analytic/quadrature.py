@@ -1,18 +1,20 @@
-"""Gauss rules for integrands with known powers at the ends of the interval, used by the Abel integrals of any profile."""
+"""Gauss rules for integrands with known powers at the ends, used by the Abel integrals."""
 
 from functools import lru_cache
 
 import numpy as np
 
-SMALLEST = 1e-60  # nodes closer to an end than this carry no weight of their own; keeps powers of them finite
+SMALLEST = 1e-60  # a node closer to an end has no weight of its own; keeps its powers finite
+BLOCK = 64  # points evaluated at once, which bounds the memory of points x nodes x nodes
 
 
 @lru_cache(maxsize=256)
 def one_sided_rule(power, n):
-    """Nodes t and weights for ∫_0^1 t^power F(t) dt, power > -1, with the factor t^power in the weights.
+    """Nodes t and weights for ∫_0^1 t^power F(t) dt, power > -1, the factor t^power in the weights.
 
-    The substitution t = v^(m/(power+1)) with a whole m turns t^power dt into a multiple of v^(m-1) dv and flattens F, which
-    may therefore have further powers of t at 0. Gauss-Jacobi weights would lose four to eight digits for power -> -1.
+    With t = v^(m/(power+1)), m whole, t^power dt is a multiple of v^(m-1) dv, and F is so flat at 0
+    that it may have further powers of t. Gauss-Jacobi weights lose four to eight digits for
+    power -> -1.
     """
     if power < -0.9:  # the substitution is steep there
         n *= 3
@@ -26,20 +28,30 @@ def one_sided_rule(power, n):
 
 @lru_cache(maxsize=256)
 def two_sided_rule(left, right, n):
-    """Nodes t, 1-t and weights for ∫_0^1 t^left (1-t)^right F(t) dt, both factors in the weights; 2n nodes."""
+    """Nodes t, 1-t, weights for ∫_0^1 t^left (1-t)^right F(t) dt, both factors in the weights."""
     low, low_weight = one_sided_rule(left, n)
     high, high_weight = one_sided_rule(right, n)
     t = np.concatenate([low / 2, 1 - high / 2])
     rest = np.concatenate([1 - low / 2, high / 2])
-    weight = np.concatenate(
-        [
-            low_weight / 2 ** (left + 1) * (1 - low / 2) ** right,
-            high_weight / 2 ** (right + 1) * (1 - high / 2) ** left,
-        ]
-    )
-    return t, rest, weight
+    low_weight = low_weight / 2 ** (left + 1) * (1 - low / 2) ** right
+    high_weight = high_weight / 2 ** (right + 1) * (1 - high / 2) ** left
+    return t, rest, np.concatenate([low_weight, high_weight])
 
 
-def nodes_for(log_span):
-    """Number of nodes for an integrand spread over e^log_span; a multiple of 16, so that few rules are built."""
+def plain_rule(left, right, n):
+    """Nodes t, 1-t and weights of two_sided_rule for ∫_0^1 F dt, the powers left in F."""
+    t, rest, weight = two_sided_rule(left, right, n)
+    return t, rest, weight * t**-left * rest**-right
+
+
+def nodes_for(log_span=0.0):
+    """Number of nodes for an integrand spread over e^log_span; in steps, so that rules are few."""
     return 16 * int(np.ceil((48 + 3 * float(np.max(log_span, initial=0.0))) / 16))
+
+
+def by_blocks(function, x):
+    """function of a 1-d array of |x|, applied to x of any shape block by block."""
+    x = np.abs(np.asarray(x, dtype=float))
+    flat = x.ravel()
+    parts = [function(flat[i : i + BLOCK]) for i in range(0, flat.size, BLOCK)]
+    return np.concatenate([np.empty(0), *parts]).reshape(x.shape)[()]

@@ -1,19 +1,19 @@
 """Displacement functions of a flat punch, (8) and (10), and of a parabolic contact, [X2].
 
-All depend on s/x, half-width over distance. The printed forms subtract two terms of size 1/k, which leaves nothing for
-small k or for x -> s. Here each function is a power series in y = 1 - s²/x² where y <= 1/2, and in z = s²/x² elsewhere,
-the pole in k cancelled analytically; the terms that remain do not cancel for any -1 < k < 1.
+All depend on s/x, half-width over distance. The printed forms subtract two terms of size 1/k, which
+leaves nothing for small k or for x -> s. Here each function is a power series in y = 1 - s²/x²
+where y <= 1/2, and in z = s²/x² elsewhere, with the pole in k cancelled analytically; the terms
+that remain do not cancel for any -1 < k < 1. In the code h = k/2 and w = (1-k)/2.
 
-Every function takes x, s of any shape (broadcast), and optionally distance = x - s where the caller knows it better than
-the subtraction gives it. Notation of the comments: h = k/2, w = (1-k)/2, c_n = (1-w)_n/n!.
+The functions take x and s of any shape (broadcast), and some distance = x - s, where the caller
+knows it better than the subtraction gives it.
 """
 
 from math import exp, expm1, gamma, inf, lgamma, log, pi, sqrt
 
 import numpy as np
 from scipy.special import beta as euler_beta
-from scipy.special import betainc
-from scipy.special import zeta
+from scipy.special import betainc, zeta
 
 SMALLEST = 1e-300  # of s/x, where only its logarithm still matters
 TERMS = 56  # arguments do not exceed 1/2, and 2^-56 is below the resolution of binary64
@@ -22,7 +22,8 @@ TERMS = 56  # arguments do not exceed 1/2, and 2^-56 is below the resolution of 
 def punch_relative_displacement(x, s, k, distance=None):
     """H = 1/2 ∫_z^1 t^(k/2-1) (1-t)^(-(1+k)/2) dt with z = s²/x², and 0 for x <= s.
 
-    It is 1/k times the bracket of (8), (14), (21), (35): Γ((2+k)/2)Γ((1-k)/2)/√π - (s/x)^k F(k/2,(1+k)/2;(2+k)/2;s²/x²).
+    It is 1/k times the bracket of (8), (14), (21), (35):
+    Γ((2+k)/2)Γ((1-k)/2)/√π - (s/x)^k F(k/2,(1+k)/2;(2+k)/2;s²/x²).
     """
     h, w, n = k / 2, (1 - k) / 2, np.arange(1, TERMS)
 
@@ -31,25 +32,15 @@ def punch_relative_displacement(x, s, k, distance=None):
 
     def far(ratio):
         z, power = ratio**2, _regularised_power(ratio, k)
-        return (
-            _beta_without_pole(k)
-            - power
-            - (1 + h * power) * z * _series(_binomial(1 - w)[1:] / (n + h), z)
-        ) / 2
+        tail = z * _series(_binomial(1 - w)[1:] / (n + h), z)
+        return (_beta_without_pole(k) - power - (1 + h * power) * tail) / 2
 
-    return _by_zone(
-        x,
-        s,
-        distance,
-        near,
-        far,
-        at_edge=0.0,
-        far_away=punch_rigid_displacement(k) if k > 0 else inf,
-    )
+    far_away = punch_rigid_displacement(k) if k > 0 else inf
+    return _by_zone(x, s, distance, near, far, at_edge=0.0, far_away=far_away)
 
 
 def punch_displacement(x, s, k):
-    """U = 1/2 ∫_0^z t^(k/2-1) (1-t)^(-(1+k)/2) dt with z = s²/x² for 0 < k < 1, constant for x <= s.
+    """U = 1/2 ∫_0^z t^(k/2-1) (1-t)^(-(1+k)/2) dt with z = s²/x², constant for x <= s; 0 < k < 1.
 
     It is 1/k times (s/x)^k F(k/2,(1+k)/2;(2+k)/2;s²/x²) of (10), (13), (20).
     """
@@ -81,40 +72,38 @@ def punch_gradient(x, s, k, distance=None):
 
 
 def parabolic_gap(x, s, k, distance=None):
-    """Phi(1 - s²/x²) of [X2]; 0 for x <= s. The gap beside a parabolic contact of half-width s is x²/(2R) Phi."""
-    return _by_zone(
-        x,
-        s,
-        distance,
-        lambda y: _phi(y, k),
-        lambda t: 1 - _phi_complement(t, k),
-        at_edge=0.0,
-        far_away=1.0,
-    )
+    """Phi(1 - s²/x²) of [X2], 0 for x <= s: the gap beside a parabolic contact over x²/(2R)."""
+
+    def near(y):
+        return _phi(y, k)
+
+    def far(ratio):
+        return 1 - _phi_complement(ratio, k)
+
+    return _by_zone(x, s, distance, near, far, at_edge=0.0, far_away=1.0)
 
 
 def parabolic_gap_slope(x, s, k, distance=None):
-    """I_y((1-k)/2, 1+k/2), y = 1 - s²/x², of [X3]; 0 for x <= s. The slope of the gap beside a parabolic contact over x/R."""
+    """I_y((1-k)/2, 1+k/2), y = 1 - s²/x², of [X3], 0 for x <= s: the slope of that gap over x/R."""
     x, s = np.asarray(x, dtype=float), np.asarray(s, dtype=float)
     distance = x - s if distance is None else distance
-    beside = distance > 0
-    x_safe = np.where(beside, x, 1)
-    return betainc(
-        (1 - k) / 2, 1 + k / 2, np.where(beside, distance, 0) / x_safe * ((x + s) / x_safe)
-    )
+    p, q = (1 - k) / 2, 1 + k / 2
+    x_safe = np.where(distance > 0, x, 1)
+    y = np.where(distance > 0, distance, 0) / x_safe * ((x + s) / x_safe)
+    z = np.where(distance > 0, (s / x_safe) ** 2, 1)
+    return np.where(y <= 0.5, betainc(p, q, np.minimum(y, 1)), 1 - betainc(q, p, z))[()]
 
 
 def parabolic_relative_displacement(x, s, k):
-    """1 - Phi(1 - s²/x²) of [X2], accurate also where it is small; 1 for x <= s. h_y of (45) over x²/(2R)."""
-    return _by_zone(
-        x,
-        s,
-        None,
-        lambda y: 1 - _phi(y, k),
-        lambda t: _phi_complement(t, k),
-        at_edge=1.0,
-        far_away=0.0,
-    )
+    """1 - Phi(1 - s²/x²) of [X2], 1 for x <= s, accurate where small: h_y of (45) over x²/(2R)."""
+
+    def near(y):
+        return 1 - _phi(y, k)
+
+    def far(ratio):
+        return _phi_complement(ratio, k)
+
+    return _by_zone(x, s, None, near, far, at_edge=1.0, far_away=0.0)
 
 
 def parabolic_displacement(x, s, k):
@@ -125,29 +114,28 @@ def parabolic_displacement(x, s, k):
         return (1 - y) / k - (1 - _phi(y, k))
 
     def far(ratio):
-        return (
-            ratio ** (2 + k)
-            * _series(_binomial(1 - w) / ((n + h) * (n + 1 + h)), ratio**2)
-            / euler_beta(w, 1 + h)
-        )
+        series = _series(_binomial(1 - w) / ((n + h) * (n + 1 + h)), ratio**2)
+        return ratio ** (2 + k) * series / euler_beta(w, 1 + h)
 
     return _by_zone(x, s, None, near, far, at_edge=1 / k - 1, far_away=0.0)
+
+
+def log_remainder(lost, log_left):
+    """ln(1 - lost) from lost where that is small, elsewhere from log_left, the same logarithm."""
+    return np.where(lost < 0.5, np.log1p(-np.minimum(lost, 0.5)), log_left)[()]
 
 
 def _phi(y, k):
     """Phi for y <= 1/2 by its hypergeometric series, all of whose terms are positive."""
     n = np.arange(1, TERMS)
     p, q, r = (1 - k) / 2, (2 - k) / 2, (5 - k) / 2
-    coefficients = np.concatenate(
-        [[1.0], np.cumprod((p + n - 1) * (q + n - 1) / ((r + n - 1) * n))]
-    )
-    return (
-        sqrt(pi) / (2 * gamma(r) * gamma(1 + k / 2)) * y ** ((3 - k) / 2) * _series(coefficients, y)
-    )
+    factors = (p + n - 1) * (q + n - 1) / ((r + n - 1) * n)
+    series = _series(np.concatenate([[1.0], np.cumprod(factors)]), y)
+    return sqrt(pi) / (2 * gamma(r) * gamma(1 + k / 2)) * y ** ((3 - k) / 2) * series
 
 
 def _phi_complement(ratio, k):
-    """1 - Phi for z = ratio² < 1/2: the incomplete-beta form of [X2], integrated term by term and freed of its pole at k = 0."""
+    """1 - Phi for z = ratio² < 1/2: [X2] by beta functions, term by term, without the pole in k."""
     h, w, n = k / 2, (1 - k) / 2, np.arange(1, TERMS)
     z, power = ratio**2, _regularised_power(ratio, k)
     tail = 1 / (1 + h) - z * _series(_binomial(1 - w)[1:] / ((n + h) * (n + 1 + h)), z)
@@ -155,7 +143,7 @@ def _phi_complement(ratio, k):
 
 
 def _by_zone(x, s, distance, near, far, at_edge, far_away):
-    """near(y) for y <= 1/2, far(s/x) for z < 1/2; the constants at_edge for x <= s and far_away for s = 0."""
+    """near(y) for y <= 1/2, far(s/x) for z < 1/2; at_edge for x <= s, far_away for s = 0."""
     x, s = np.asarray(x, dtype=float), np.asarray(s, dtype=float)
     x, s, distance = np.broadcast_arrays(x, s, x - s if distance is None else distance)
     result = np.where(s == 0, far_away, at_edge)

@@ -1,4 +1,4 @@
-"""Tangential loading without a friction law: uniform shift (12)-(14), prescribed displacements (23) or tractions (24)."""
+"""Tangential loading without friction: shift (12)-(14), displacements (23), tractions (24)."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -17,7 +17,10 @@ from .special import punch_displacement, punch_relative_displacement, punch_rigi
 
 @dataclass(frozen=True)
 class UniformShift:
-    """Region |x| <= a of the surface shifted as a whole by the line load Q [stress x length]; fields take x of any shape."""
+    """Region |x| <= a shifted as a whole by the line load Q; fields take x of any shape.
+
+    a: half-width [length], positive, else ValueError; Q: [stress x length].
+    """
 
     solid: GradedHalfPlane
     a: float
@@ -31,13 +34,9 @@ class UniformShift:
         k = self.solid.k
         x = np.abs(np.asarray(x, dtype=float))
         depth = np.where(x < self.a, (self.a - x) / self.a * ((self.a + x) / self.a), 1.0)
-        q = (
-            gamma(1 + k / 2)
-            * self.Q
-            / (sqrt(pi) * gamma((1 + k) / 2) * self.a)
-            * depth ** ((k - 1) / 2)
-        )
-        return np.where(x < self.a, q, np.where(x == self.a, np.copysign(np.inf, self.Q), 0.0))[()]
+        centre = gamma(1 + k / 2) * self.Q / (sqrt(pi) * gamma((1 + k) / 2) * self.a)
+        beyond = np.where(x == self.a, np.copysign(np.inf, self.Q), 0.0)
+        return np.where(x < self.a, centre * depth ** ((k - 1) / 2), beyond)[()]
 
     def traction_within(self, x):
         """∫_{-x}^{x} q dx [stress x length]; odd in x."""
@@ -64,22 +63,20 @@ def from_displacement(solid, displacement: Profile, a):
     """
     require("a", a, displacement.flat)
     k, compliance = solid.k, solid.tangential_compliance
-    factor = abel_factor(k, compliance)
-    return PunchSuperposition(
-        k,
-        compliance,
-        lambda s, edge: factor * displacement.abel_density(s, k),
-        a,
-        displacement.flat,
-        density_power(displacement, k),
-    )
+
+    def density(s, edge):
+        return abel_factor(k, compliance) * displacement.abel_density(s, k)
+
+    power = density_power(displacement, k)
+    return PunchSuperposition(k, compliance, density, a, displacement.flat, power)
 
 
 def from_traction(solid, factor: Callable, factor_slope: Callable, a, edge=0.0):
-    """Fields (18), (20)-(22) of the traction q = (1 - x²/a²)^edge factor(x) on |x| <= a, n_x by (24).
+    """Fields (18), (20)-(22) of q = (1 - x²/a²)^edge factor(x) on |x| <= a, n_x by (24).
 
-    factor, factor_slope: smooth even function [stress] and its derivative, vectorised, for 0 <= x <= a. edge >= 0; a
-    traction with infinite edges is a UniformShift plus a bounded one. Returns a PunchSuperposition.
+    factor, factor_slope: smooth even function [stress] and its derivative, vectorised, for
+    0 <= x <= a. edge >= 0, else ValueError; a traction with infinite edges is a UniformShift plus a
+    bounded one. Returns a PunchSuperposition.
     """
     require("a", a)
     require("edge", edge, closed_low=True)
@@ -103,9 +100,9 @@ def from_traction(solid, factor: Callable, factor_slope: Callable, a, edge=0.0):
         y = 2 * s * np.sinh(span * (1 + t) / 2) * np.sinh(span * rest / 2) * (a + x) / a**2
         singular = y**right * rest**-right if edge > 0 else 1.0
         smooth = derivative(x, y) * singular * (s * np.sinh(span * t) / t) ** -k
-        at_edge = (
-            factor(np.full(shape, a)) * (distance * (a + s))[..., 0] ** -half if edge == 0 else 0.0
-        )
+        at_edge = 0.0
+        if edge == 0:
+            at_edge = factor(np.full(shape, a)) * (distance * (a + s))[..., 0] ** -half
         return 2 / punch_rigid_factor(k) * s[..., 0] * (at_edge - span[..., 0] * (smooth @ weight))
 
     return PunchSuperposition(k, solid.tangential_compliance, density, a, edge_power=edge - half)

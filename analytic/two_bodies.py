@@ -9,7 +9,8 @@ from .material import GradedHalfPlane
 class GradedPair:
     """Takes the place of a half-plane in every contact; R is then the radius of relative curvature.
 
-    Normal and tangential problems decouple exactly if both bodies are alike or both have the Holl ratio.
+    Different exponents k raise ValueError. Normal and tangential problems decouple exactly if both
+    bodies are alike or both have the Holl ratio.
     """
 
     first: GradedHalfPlane
@@ -18,7 +19,8 @@ class GradedPair:
     def __post_init__(self):
         if self.first.k != self.second.k:
             raise ValueError(
-                f"k = {self.first.k!r} and k = {self.second.k!r}: both bodies must have the same exponent k"
+                f"k = {self.first.k!r} and k = {self.second.k!r}: "
+                "both bodies must have the same exponent k"
             )
 
     @property

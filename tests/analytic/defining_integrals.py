@@ -1,8 +1,11 @@
-"""The defining integrals of plane-strain power-law graded contact, typed as printed and evaluated with mpmath.
+"""The defining integrals of power-law graded contact as printed, evaluated with mpmath.
 
-Nothing here uses a closed form of the package. Equation numbers: Heß, Giesa, Riechert, Wilhayn, Appl. Sci. 2026, 16(1), 473.
+Nothing here uses a closed form of the package. Numbers in brackets are the equations of Heß, Giesa,
+Riechert, Wilhayn, Appl. Sci. 2026, 16(1), 473; [X1] ... [X5] mark results beyond the paper.
 k = 0, where b and g have a pole, is taken as k = 1e-30 with the digits to spare.
 """
+
+from functools import lru_cache
 
 import mpmath as mp
 
@@ -37,11 +40,12 @@ def integrate(f, length, left=0, right=0, digits=DIGITS):
 
 
 def kernel_displacement(k, compliance, traction, x, a, edge):
-    """Relative displacement u(0) - u(x) from kernel (2): compliance/k ∫ traction(xi) (|xi|^-k - |x-xi|^-k) dxi over |xi| < a.
+    """u(0) - u(x) from kernel (2): compliance/k ∫ traction(xi) (|xi|^-k - |x-xi|^-k) dxi, |xi| < a.
 
-    compliance = (bk) y0^k/E0 or (gk) y0^k/E0; traction(u, a - u) for u = |xi|, even, of order (a - u)^edge; 0 < x.
+    compliance = (bk) y0^k/E0 or (gk) y0^k/E0; the traction is even, traction(u, a-u) for u = |xi|,
+    of order (a - u)^edge; x > 0.
     """
-    digits = mp.mp.dps  # the integrals cancel to order k
+    digits = DIGITS + (40 if abs(k) < 1e-3 else 0)  # the integrals cancel to order k
 
     def part(f, length, left=0, right=0):
         return integrate(f, length, left, right, digits)
@@ -66,6 +70,36 @@ def load_within(x, s, power):
     return integrate(lambda u, d: (s**2 - u**2) ** power, x)
 
 
+def derivative(f, s, scale=1):
+    """Central difference, Richardson-extrapolated; f is smooth on the scale of scale s."""
+    steps = [scale * s * mp.mpf(2) ** -j for j in range(4, 10)]
+    table = [(f(s + h) - f(s - h)) / (2 * h) for h in steps]
+    for order in range(1, len(table)):
+        factor = mp.mpf(4) ** order
+        pairs = zip(table, table[1:], strict=False)
+        table = [(factor * fine - coarse) / (factor - 1) for coarse, fine in pairs]
+    return table[0]
+
+
+def abel_derivative(slope, k, s, flat=0):
+    """d/ds ∫_flat^s x f'(x) (s²-x²)^(-(1-k)/2) dx of (5), (23); slope = f'."""
+    power = (k - 1) / 2
+
+    def inner(s):
+        def f(u, d):
+            return (flat + u) * slope(flat + u) * (d * (s + flat + u)) ** power
+
+        return integrate(f, s - flat, right=power)
+
+    return derivative(inner, s, (s - flat) / s)
+
+
+@lru_cache
+def parabola(k):
+    """abel_derivative of f = x²/2 at s = 1."""
+    return abel_derivative(lambda x: x, k, mp.mpf(1))
+
+
 class Medium:
     """Elastic parameters (3), (4) and the integrals (5)-(8), (10), (11), (35) of one half-plane."""
 
@@ -85,18 +119,11 @@ class Medium:
         self.g = (1 - nu**2) * (k + 1) * self.C * sine / (k * self.beta)
         self.alpha = self.g / self.b
 
-    def density(self, slope, s):
-        """n_y(s) by (5); slope = f'."""
-        k = self.k
-
-        def inner(s):
-            return integrate(
-                lambda x, d: x * slope(x) * (d * (s + x)) ** (-(1 - k) / 2), s, right=(k - 1) / 2
-            )
-
-        with mp.workdps(DIGITS):
-            factor = 2 * self.E0 * mp.cos(k * mp.pi / 2) / (mp.pi * self.b * k * self.y0**k * s**k)
-            return factor * derivative(inner, s)
+    def density(self, derivative, s, parameter=None):
+        """n_y(s) by (5), n_x by (23) with parameter = g, from abel_derivative at s."""
+        k, parameter = self.k, self.b if parameter is None else parameter
+        factor = 2 * self.E0 * mp.cos(k * mp.pi / 2) / (mp.pi * parameter * k * self.y0**k * s**k)
+        return factor * derivative
 
     def load(self, density, a, start=0):
         """(6), or (22)."""
@@ -134,7 +161,7 @@ class Medium:
         top = min(x, a)
 
         def integrand(u, d):
-            with mp.workdps(mp.mp.dps + 35):
+            with mp.workdps(mp.mp.dps + (35 if abs(self.k) < 1e-3 else 5)):
                 return density(start + u) * (self.constant() - self.decaying(x, start + u))
 
         power = 0 if start else min(self.k, 0)
@@ -154,31 +181,18 @@ class Medium:
         return parameter * self.y0**self.k / self.E0 * result
 
 
-def derivative(f, s, scale=1):
-    """Central difference, Richardson-extrapolated; f is smooth on the scale of scale s and known to DIGITS digits."""
-    steps = [scale * s * mp.mpf(2) ** -j for j in range(4, 16)]
-    table = [(f(s + h) - f(s - h)) / (2 * h) for h in steps]
-    for order in range(1, len(table)):
-        factor = mp.mpf(4) ** order
-        table = [
-            (factor * fine - coarse) / (factor - 1)
-            for coarse, fine in zip(table, table[1:], strict=False)
-        ]
-    return table[0]
-
-
 class Cylinder(Medium):
-    """Parabolic cylinder (41) on the medium: n_y from (5) at one s, proportional to s by its homogeneity."""
+    """Parabolic cylinder (41) on the medium; n_y is proportional to s, as (5) is homogeneous."""
 
     def __init__(self, E0, nu, k, y0, R, P):
         super().__init__(E0, nu, k, y0)
         self.R, self.P = mp.mpf(R), mp.mpf(P)
-        self._slope = super().density(lambda x: x / self.R, mp.mpf(1))
+        self.slope = self.density(parabola(self.k) / self.R, mp.mpf(1))
         self.a = (self.P / self.load(self.n, mp.mpf(1))) ** (1 / (2 + self.k))
 
     def n(self, s):
         """n_y(s)."""
-        return self._slope * s
+        return self.slope * s
 
     def stick_half_width(self, z, a=None):
         """c from (34), z = 1 - Q/(mu P)."""

@@ -1,4 +1,4 @@
-"""Normal contact of the parabolic cylinder (41)-(46), (57), [X1], [X2] against (5)-(8), (10), (11) and kernel (2)."""
+"""The pressed cylinder (41)-(46), (57), [X1], [X2] against (5)-(8), (10), (11), kernel (2)."""
 
 import math
 from functools import lru_cache
@@ -25,7 +25,7 @@ RTOL = 1e-12
 
 @lru_cache
 def case(k, nu=0.3, y0=0.2):
-    """Contact and its reference, whose half-width is the contact's: fields are compared at exactly the same x/a."""
+    """Contact and its reference; fields are compared at exactly the same x and a."""
     E0, R, P = 2.0, 3.0, 1e-3
     reference = Cylinder(E0, nu, k, y0, R, P)
     return CylinderContact(GradedHalfPlane(E0, nu, k, y0), R, P), reference
@@ -91,7 +91,7 @@ def test_pressure(k):
 
 @pytest.mark.parametrize("k", SELECTED)
 def test_relative_displacement(k):
-    """(45), [X2] against (8), and against kernel (2) under the pressure (7): inside it is the profile (41)."""
+    """(45), [X2] against (8) and against kernel (2) under the pressure; inside it is (41)."""
     contact, reference = case(k)
     a = mp.mpf(contact.a)
     for x in [0.2, 1 + 1e-9, 1.5, 1e6]:

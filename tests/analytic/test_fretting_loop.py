@@ -1,4 +1,4 @@
-"""Fretting of the cylinder: (51)-(59), [X4], [X5] against the defining integrals and the friction law."""
+"""Fretting of the cylinder: (51)-(59), [X4], [X5] against defining integrals and friction law."""
 
 import math
 
@@ -21,7 +21,7 @@ from scipy.optimize import minimize_scalar
 
 from analytic import CylinderContact, GradedHalfPlane, UndefinedDisplacementError
 
-MU, P, R, NU = 0.5, 1e-3, 3.0, 0.3
+MU, P, R, NU = 0.3, 1e-3, 3.0, 0.3
 RTOL = 1e-12
 
 
@@ -159,7 +159,7 @@ def test_maximum_of_the_energy_density(k):
 @pytest.mark.parametrize("k", [-0.9, 0.0, 0.5])
 @pytest.mark.parametrize("share", [0.6, 0.0, -0.95])
 def test_unloading_against_kernel(k, share):
-    """[X5]: kernel (2) under the traction gives the slip; it is frozen inside d, and |q| = mu p outside."""
+    """[X5]: kernel (2) under the traction gives the slip; frozen inside d, q = -mu p outside."""
     contact, K = contact_of(k), nonzero(k)
     Q_A = 0.8 * MU * P
     loop = contact.fretting(MU, Q_A)

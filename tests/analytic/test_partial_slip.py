@@ -1,4 +1,4 @@
-"""Partial slip of the cylinder (25)-(36), (39), (40), (47)-(50), [X2], [X3] against its defining integrals."""
+"""Partial slip of the cylinder (25)-(36), (39), (40), (47)-(50), [X2], [X3]."""
 
 from functools import lru_cache
 
@@ -20,18 +20,9 @@ from hypothesis import strategies as st
 
 from analytic import CylinderContact, GradedHalfPlane, UndefinedDisplacementError
 
-MU, P, R = 0.5, 1e-3, 3.0
+MU, P, R = 0.3, 1e-3, 3.0
 RTOL = 1e-12
-LOADS = [
-    1e-9,
-    1e-6,
-    1e-3,
-    0.1,
-    0.5,
-    0.9,
-    1 - 1e-3,
-    1 - 1e-6,
-]  # Q/(mu P), and 1e-9, 1e-200 from full slip by z
+LOADS = [1e-9, 1e-5, 0.1, 0.6, 1 - 1e-4, 1 - 1e-9]  # Q/(mu P)
 
 
 @lru_cache
@@ -44,13 +35,12 @@ def contact_of(k, nu=0.3, y0=0.2):
 
 
 def states(k):
-    """State, exact z and exact c over the half-width of the contact, for all loads."""
+    """State and exact z for all loads."""
     contact = contact_of(k)
     for load in LOADS:
         Q = load * MU * P
         yield contact.partial_slip(MU, Q), 1 - mp.mpf(Q) / (mp.mpf(MU) * mp.mpf(P))
-    for z in (1e-9, 1e-200):
-        yield contact.partial_slip(MU, z=z), mp.mpf(z)
+    yield contact.partial_slip(MU, z=1e-200), mp.mpf(1e-200)
 
 
 @pytest.mark.parametrize("k", EXPONENTS)
@@ -69,7 +59,7 @@ def test_stick_half_width(k):
 
 @pytest.mark.parametrize("k", SELECTED)
 def test_traction(k):
-    """(33), (47) with (7), for every load in the stick zone, the slip zone, and beside both edges."""
+    """(33), (47) with (7): for every load, stick zone, slip zone, and beside both edges."""
     exact = reference(k)
     power = (1 + mp.mpf(k)) / 2
     scale = mp.mpf(MU * P) / exact.load(exact.n, mp.mpf(contact_of(k).a))
@@ -83,7 +73,7 @@ def test_traction(k):
             outer = scale * exact.pressure(exact.n, X, a)
             inner = scale * exact.pressure(exact.n, X, c) if X < c else mp.mpf(0)
             q = outer - inner
-            # binary64 holds c - x to EPS a only, and the inner pressure is of the order (c - x)^power
+            # binary64 holds c - x to EPS a only; the inner pressure is of the order (c - x)^power
             conditioning = 4 * EPS * a * power * inner / (q * abs(c - X))
             tolerance = RTOL + float(conditioning)
             assert relative_error(state.traction(x), q) < tolerance
@@ -205,7 +195,7 @@ def test_rigid_shift(k):
         a, c = mp.mpf(state.a), mp.mpf(state.a) * z ** (1 / (2 + mp.mpf(k)))
         shift = (
             exact.constant()
-            * (exact._slope * (a**2 - c**2) / 2)
+            * (exact.slope * (a**2 - c**2) / 2)
             * exact.g
             * exact.y0**exact.k
             / exact.E0
@@ -254,7 +244,7 @@ def test_homogeneous_forms():
     ("arguments", "message"),
     [
         ({"mu": 0.0, "Q": 0.0}, r"mu = 0.0 .* 0.0 < mu"),
-        ({"mu": MU, "Q": MU * P}, r"Q = 0.0005 .* \|Q\| < mu P = 0.0005"),
+        ({"mu": MU, "Q": MU * P}, r"Q = 0.0003 .* \|Q\| < mu P = 0.0003"),
         ({"mu": MU, "Q": -1.0}, r"Q = -1.0 .* \|Q\| < mu P"),
         ({"mu": MU, "Q": float("nan")}, r"Q = nan"),
         ({"mu": MU, "z": 0.0}, r"z = 0.0 .* 0 < z <= 1"),
@@ -278,7 +268,7 @@ def test_inadmissible_load(arguments, message):
     st.lists(st.floats(0, 1), min_size=6, max_size=6),
 )
 def test_properties(k, nu, load, other_load, ratios):
-    """(25), (26), (34): friction law, monotone c, symmetry under Q -> -Q, array shapes, limits of c."""
+    """(25), (26), (34): friction law, monotone c, symmetry under Q -> -Q, array shapes."""
     contact = contact_of(k, nu)
     Q = load * MU * P
     state, mirrored = contact.partial_slip(MU, Q), contact.partial_slip(MU, -Q)

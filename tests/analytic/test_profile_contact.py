@@ -1,11 +1,11 @@
-"""Any convex symmetric profile: (5)-(8), (10), (11), (33)-(36), (40), (52) against integrals and kernel (2)."""
+"""Any convex profile: (5)-(8), (10), (11), (33)-(36), (40), (52) against integrals, kernel (2)."""
 
 from functools import lru_cache
 
 import mpmath as mp
 import numpy as np
 import pytest
-from defining_integrals import Medium, kernel_displacement, nonzero, relative_error
+from defining_integrals import Medium, abel_derivative, relative_error
 
 from analytic import (
     CylinderContact,
@@ -47,10 +47,11 @@ def rounded_punch(flat, radius):
 def power_reference(k, m):
     """Medium and the factor of n_y = factor s^(m-1), from (5) at s = 1."""
     medium = Medium(E0, NU, k, Y0)
-    return medium, medium.density(lambda x: mp.mpf("0.3") * m * x ** (m - 1), mp.mpf(1))
+    at_one = abel_derivative(lambda x: mp.mpf("0.3") * m * x ** (m - 1), medium.k, mp.mpf(1))
+    return medium, medium.density(at_one, mp.mpf(1))
 
 
-@pytest.mark.parametrize("k", [-0.9, -0.3, 0.0, 1e-8, 0.5, 0.9])
+@pytest.mark.parametrize("k", [-0.9, 0.0, 0.5])
 @pytest.mark.parametrize("m", [1.0, 1.5, 2.0, 4.0])
 def test_power_profiles(k, m):
     """(5)-(8), (10), (11) of f = 0.3 |x|^m: wedge to blunt."""
@@ -86,7 +87,7 @@ def test_power_profiles(k, m):
 
 @pytest.mark.parametrize("k", [-0.99, -0.5, 0.0, 1e-8, 0.5, 0.99])
 def test_parabola_is_the_cylinder(k):
-    """The general contact given the parabola by callables, against the closed forms, in normal contact and fretting."""
+    """The general contact, given the parabola by callables, against all closed forms."""
     cylinder = CylinderContact(solid_of(k), 3.0, 1e-3)
     parabola = Profile(lambda x: x**2 / 6, lambda x: x / 3, lambda x: np.full_like(x, 1 / 3))
     contact = ProfileContact(solid_of(k), parabola, cylinder.a)
@@ -125,19 +126,16 @@ def test_parabola_is_the_cylinder(k):
     "profile", [circle(1.0), rounded_punch(0.3, 2.0)], ids=["circle", "rounded punch"]
 )
 def test_profile_against_kernel(k, profile):
-    """(8) is the profile: kernel (2) under the pressure of the package, and (5) by finite differences of its integral."""
-    contact = ProfileContact(solid_of(k), profile, 0.6)
-    K = nonzero(k)
-    for s in (0.35, 0.6):
+    """(5) by differences of its integral; (8): kernel (2) under the pressure is the profile."""
+    contact, medium = ProfileContact(solid_of(k), profile, 0.6), Medium(E0, NU, k, Y0)
 
-        def slope(x):
-            if profile.flat:
-                return max(x - mp.mpf(0.3), 0) / 2
-            return x / mp.sqrt(1 - x**2)
+    def slope(x):
+        return (x - mp.mpf(0.3)) / 2 if profile.flat else x / mp.sqrt(1 - x**2)
 
-        exact = flat_density(Medium(E0, NU, k, Y0), slope, mp.mpf(s), mp.mpf(profile.flat))
-        assert relative_error(contact.density(s), exact) < RTOL
-    # equilibrium and profile, by Gauss quadrature of p (1-x²/a²)^-((1+k)/2), smooth apart from the kernel
+    for s in (mp.mpf(0.35), mp.mpf(0.6)):
+        exact = medium.density(abel_derivative(slope, medium.k, s, mp.mpf(profile.flat)), s)
+        assert relative_error(contact.density(float(s)), exact) < RTOL
+    # equilibrium and profile
     assert contact.pressure_within(0.7) == pytest.approx(contact.P, rel=RTOL)
     power, compliance = (1 + k) / 2, contact.solid.normal_compliance
     for x in (0.2, 0.45, 0.59):
@@ -146,24 +144,6 @@ def test_profile_against_kernel(k, profile):
         assert compliance * h == pytest.approx(
             profile.height(np.float64(x)), rel=1e-8, abs=1e-8 * profile.height(0.59)
         )
-    assert K != 0
-
-
-def flat_density(medium, slope, s, flat):
-    """(5) with the inner integral starting at the end of the flat part."""
-    from defining_integrals import derivative, integrate
-
-    k = medium.k
-
-    def inner(s):
-        return integrate(
-            lambda u, d: (flat + u) * slope(flat + u) * (d * (s + flat + u)) ** ((k - 1) / 2),
-            s - flat,
-            right=(k - 1) / 2,
-        )
-
-    factor = 2 * medium.E0 * mp.cos(k * mp.pi / 2) / (mp.pi * medium.b * k * medium.y0**k * s**k)
-    return factor * derivative(inner, s, (s - flat) / s)
 
 
 def kernel_quadrature(pressure, k, x, breaks, power):
@@ -221,7 +201,7 @@ def test_partial_slip_of_any_profile(k, profile):
     step = 1e-5 * (a - c)
     difference = (state.slip(outside[1] + step) - state.slip(outside[1] - step)) / (2 * step)
     assert state.slip_gradient(outside[1]) == pytest.approx(difference, rel=1e-8)
-    # 2 ∫ w dx, with nodes crowded at c and at a, where w ~ (x-c)^((3-k)/2) and (a-x)^((1+k)/2) or steeper
+    # 2 ∫ w dx, with nodes crowded at c and a, where w ~ (x-c)^((3-k)/2) and (a-x)^((1+k)/2)
     v, weight = np.polynomial.legendre.leggauss(40)
     t, dt = ((1 + v) / 2) ** 4 / 2, weight * ((1 + v) / 2) ** 3
     w = loop.energy_density(c + (a - c) * t) + loop.energy_density(a - (a - c) * t)

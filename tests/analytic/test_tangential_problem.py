@@ -1,4 +1,4 @@
-"""Tangential loading without friction: (2), (12)-(14), (18)-(24) against kernel (2) and literal Abel integrals."""
+"""Tangential loading without friction: (12)-(14), (18)-(24) against kernel (2), Abel integrals."""
 
 import math
 
@@ -6,8 +6,8 @@ import mpmath as mp
 import numpy as np
 import pytest
 from defining_integrals import (
-    EXPONENTS,
     Medium,
+    abel_derivative,
     derivative,
     integrate,
     kernel_displacement,
@@ -28,16 +28,16 @@ from analytic import (
 )
 
 RTOL = 1e-12
-SOME = [-0.9, -0.4, 0.0, 1e-8, 0.5, 0.9]
+SOME = [-0.9, 0.0, 1e-8, 0.5]
 
 
 def solid_of(k):
     return GradedHalfPlane(2.0, 0.3, k, 0.2)
 
 
-@pytest.mark.parametrize("k", [-0.99, *SOME, 0.99])
+@pytest.mark.parametrize("k", [*SOME, 0.99])
 def test_uniform_shift(k):
-    """(12)-(14): under the traction (12), kernel (2) gives no relative displacement inside and (14) outside."""
+    """(12)-(14): kernel (2) under (12) gives no relative displacement inside, (14) outside."""
     shift, K = UniformShift(solid_of(k), a=0.7, Q=3.0), nonzero(k)
     a, power = mp.mpf(0.7), (K - 1) / 2
     peak = mp.gamma((2 + K) / 2) * 3 / (mp.sqrt(mp.pi) * mp.gamma((1 + K) / 2) * a)
@@ -75,25 +75,15 @@ def test_uniform_shift(k):
 
 @pytest.mark.parametrize("k", SOME)
 def test_prescribed_displacement(k):
-    """(23), (18), (20)-(22) for h_x = x²/2 + x⁴: n_x against the literal (23), then kernel (2) of the traction."""
+    """(18), (20)-(23) for h_x = x²/2 + x⁴: n_x by the literal (23), then its literal integrals."""
     solid = solid_of(k)
     shape = Profile(lambda x: x**2 / 2 + x**4, lambda x: x + 4 * x**3, lambda x: 1 + 12 * x**2)
     fields, K, a = from_displacement(solid, shape, 0.7), nonzero(k), mp.mpf(0.7)
     medium = Medium(2.0, 0.3, k, 0.2)
 
-    def inner(s):
-        return integrate(
-            lambda x, d: x * (x + 4 * x**3) * (d * (s + x)) ** ((K - 1) / 2), s, right=(K - 1) / 2
-        )
-
     def n(s):
-        return (
-            2
-            * medium.E0
-            * mp.cos(K * mp.pi / 2)
-            / (mp.pi * medium.g * K * medium.y0**K * s**K)
-            * derivative(inner, s)
-        )
+        slope = abel_derivative(lambda x: x + 4 * x**3, K, s)
+        return medium.density(slope, s, parameter=medium.g)
 
     for s in (0.05, 0.5):
         assert relative_error(fields.density(np.array(s), None), n(mp.mpf(s))) < RTOL
@@ -128,7 +118,7 @@ def test_prescribed_displacement(k):
 
 @pytest.mark.parametrize("k", [-0.7, 0.0, 0.5])
 def test_slip_back_to_traction(k):
-    """(23), (29), (31): the slip (50) of partial slip, prescribed, returns n_x = mu n_y outside c and none inside."""
+    """(23), (29), (31): the slip (50), prescribed, returns n_x = mu n_y outside c, none inside."""
     contact = CylinderContact(solid_of(k), 3.0, 1e-3)
     state = contact.partial_slip(0.5, 3e-4)
     c, scale = state.c, 0.5 * contact.solid.alpha / 3.0
@@ -189,7 +179,7 @@ def test_uniform_traction(k):
 @pytest.mark.parametrize("k", SOME)
 @pytest.mark.parametrize("edge", ["contact", 1.0, 0.7])
 def test_prescribed_traction(k, edge):
-    """(24) for q = (1 - x²/a²)^edge (1 + 2 x²): n_x against the literal (24), and (18) returns q."""
+    """(24) for q = (1 - x²/a²)^edge (1 + 2 x²): n_x by the literal (24), and (18) returns q."""
     edge = (1 + k) / 2 if edge == "contact" else edge
     a, K, E = mp.mpf(0.7), nonzero(k), mp.mpf(edge)
     fields = from_traction(solid_of(k), lambda x: 1 + 2 * x**2, lambda x: 4 * x, 0.7, edge=edge)
@@ -237,4 +227,3 @@ def test_inadmissible_regions():
         from_traction(solid_of(0.1), *constant, -1.0)
     with pytest.raises(ValueError, match=r"a = 0.5 .* 0.5 < a"):
         from_displacement(solid_of(0.1), Profile(np.abs, np.abs, np.abs, flat=0.5), 0.5)
-    assert len(EXPONENTS) == 13

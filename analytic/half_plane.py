@@ -1,0 +1,164 @@
+"""Incremental frictional contact of a rigid convex profile with an elastic half-plane, normal-tangential coupling included.
+
+A boundary-element reference without mesh of the body: tractions on nodes that follow the edges of contact and
+stick from increment to increment, the surface kernels integrated exactly, and the conditions of Signorini and
+Coulomb fulfilled node by node. Beyond the paper, whose theory neglects the coupling [X6].
+"""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from functools import cached_property, partial
+from math import exp, log
+
+import numpy as np
+from scipy.optimize import brentq
+
+from .half_plane_increment import ContactNotConverged, ContactSets, Increment
+from .half_plane_interpolation import integral, interpolated
+from .half_plane_layout import Layout
+from .half_plane_operator import element_moments, nodal_moments
+from .half_plane_state import ContactState, Memory, StoredField
+from .material import GradedHalfPlane
+from .surface_kernel import PowerLawKernel, SurfaceKernel
+
+COARSE_MARGIN, MARGIN = 0.1, 0.01  # nodes beyond the contact over its width: while the edges are sought, and then
+SOUGHT = 1e-3  # motion of the edges over the width of the contact below which all nodes are used,
+SETTLED = 1e-4  # and below which they have come to rest, for k = 0; smaller where the roots are sharper
+PASSES = 12
+
+
+@dataclass(frozen=True)
+class HalfPlaneContact:
+    """Rigid profile f(x) under loads P and Q on a half-plane, f + u_y - delta_y >= 0, |q| <= mu p.
+
+    solid: a GradedHalfPlane or any SurfaceKernel. profile: has ``height(x)`` [length], convex with its tip at x = 0.
+    mu: friction coefficient. coupling: False leaves out the coupling kernel, the approximation of the closed forms.
+    friction_in_normal_stage: whether friction acts from first contact, or only after the leading loads with Q = 0.
+    nodes: their number at every increment; half of them while the edges are sought.
+    """
+
+    solid: GradedHalfPlane | SurfaceKernel
+    profile: object
+    mu: float
+    coupling: bool = True
+    friction_in_normal_stage: bool = False
+    nodes: int = 300
+
+    @cached_property
+    def kernel(self) -> SurfaceKernel:
+        """Surface kernel of the solid."""
+        return PowerLawKernel(self.solid) if isinstance(self.solid, GradedHalfPlane) else self.solid
+
+    def run(self, loads: Iterable[tuple[float, float]]) -> list[ContactState]:
+        """State after every load (P, Q) of ``loads``, starting from no contact; see ``increments``."""
+        return list(self.increments(loads))
+
+    def increments(self, loads: Iterable[tuple[float, float]]) -> Iterator[ContactState]:
+        """States one by one.
+
+        Raises ValueError for P <= 0, |Q| >= mu P or a first Q != 0; ContactNotConverged, with the reason.
+        """
+        memory, normal_stage = None, True
+        for P, Q in loads:
+            if not P > 0 or not (Q == 0 or abs(Q) < self.mu * P):
+                raise ValueError(f"P = {P!r}, Q = {Q!r}: needs P > 0 and |Q| < mu P, mu = {self.mu!r}")
+            if memory is None:
+                if Q != 0:
+                    raise ValueError(f"Q = {Q!r} at first contact: the first load has Q = 0")
+                memory = Memory(None, Layout.first(self._guessed_half_width(P)))
+            normal_stage = normal_stage and Q == 0
+            memory = self._advance(memory, P, Q, normal_stage)
+            yield memory.state
+
+    def _advance(self, memory, P, Q, normal_stage):
+        """Solves on nodes that follow the edges until these rest: with half of the nodes first, then with all."""
+        k = self.kernel.k
+        mu = self.mu if self.friction_in_normal_stage or not normal_stage else 0.0
+        layout, old_edges = memory.layout, memory.layout.old_edges
+        fine, solution, iterations = False, None, 0
+        for _ in range(PASSES):
+            margin = layout.width * (MARGIN if fine else COARSE_MARGIN)
+            reached = True
+            while reached:
+                x = layout.nodes(self.nodes if fine else self.nodes // 2, margin, k)
+                operator = layout.operator(self.kernel, x, fine, self.coupling)
+                increment = Increment(operator, self.profile.height(x), memory.position(x), mu, P, Q)
+                solution = increment.solve(_initial_sets(x, layout, solution))
+                iterations += solution.iterations
+                reached = solution.sets.closed[[0, -1]].any()
+                margin = 2 * margin + 0.5 * layout.width
+            new = layout.of(solution, mu, k, old_edges)
+            motion = new.distance(layout)
+            if fine and motion < SETTLED ** (2 / (2 + k)):
+                return self._remember(memory, new, operator, solution, P, Q, normal_stage, iterations)
+            fine = fine or motion < SOUGHT
+            layout = new
+        raise ContactNotConverged(
+            f"P = {P:g}, Q = {Q:g}: after {PASSES} passes the edges of contact and stick still move "
+            f"by {motion:.1e} of the width of the contact"
+        )
+
+    def _remember(self, memory, layout, operator, solution, P, Q, normal_stage, iterations):
+        x = operator.nodes
+        mean_pressure = (solution.pressure + memory.pressure(x)) / 2
+        friction = self.mu * solution.sets.slipping * mean_pressure
+        work = integral(x, operator.of_pressure, friction, memory.position(x) - solution.position)
+
+        def position(y):
+            _, T, D = element_moments(self.kernel, y, x)
+            u_x = nodal_moments(T, operator.of_traction) @ solution.traction
+            if self.coupling:
+                u_x += nodal_moments(D, operator.of_pressure) @ solution.pressure
+            return u_x - solution.delta_x
+
+        if normal_stage:
+            slip, slip_field = np.zeros(len(x)), np.zeros_like
+            reference = StoredField(x, solution.position, position)
+        else:
+            reference = memory.reference
+            slip = np.where(solution.stuck, memory.slip(x), solution.position - reference(x))
+            slip_field = StoredField(x, slip, lambda y: position(y) - reference(y))
+        zones = layout.zones
+        state = ContactState(
+            P,
+            Q,
+            x,
+            operator.weight,
+            solution.pressure,
+            solution.traction,
+            slip,
+            solution.gap,
+            layout.contact,
+            (zones[0, 0], zones[-1, 1]) if len(zones) else (np.nan, np.nan),
+            zones,
+            memory.dissipated_energy + work,
+            solution.delta_x,
+            solution.delta_y,
+            iterations,
+        )
+        pressure = partial(interpolated, x, operator.of_pressure, solution.pressure)
+        return Memory(state, layout, slip_field, reference, pressure)
+
+    def _guessed_half_width(self, P):
+        """Length l over which the load P makes a displacement of the order of the indenter's height f(l)."""
+
+        def excess(log_length):
+            length = exp(log_length)
+            near, far = self.kernel.values(np.array([length / 2, length]))[0]
+            return log(self.profile.height(length) / (P * (near - far)))
+
+        low = high = 0.0
+        while excess(low) > 0:
+            low -= 5
+        while excess(high) < 0:
+            high += 5
+        return exp(brentq(excess, low, high))
+
+
+def _initial_sets(x, layout, previous):
+    """Sets of the previous pass on new nodes; in the first pass every node in contact sticks, the predictor."""
+    closed = (x > layout.contact[0]) & (x < layout.contact[1])
+    if previous is None:
+        return ContactSets(closed, np.zeros(len(x)))
+    nearest = np.searchsorted((previous.x[1:] + previous.x[:-1]) / 2, x)
+    return ContactSets(closed, np.where(closed, previous.sets.slipping[nearest], 0.0))
