@@ -35,14 +35,24 @@ def trial_traction(traction, s, anchor, gamma):
     return traction[0] - gamma * (s - anchor)
 
 
-def coulomb(trial, pressure, mu, all_stick):
-    """Coulomb's projection  q = clip(trial, -mu p, mu p), (25), (26).
+def slides(trial, limit, before):
+    """Where a point slides: 1 along +x, -1 along -x, 0 where it sticks.
 
-    With ``all_stick`` = 1 every point in contact keeps its trial value: the predictor of a load increment.
+    before: where it slid in the last Newton iterate. A point does not turn from sliding one way to sliding the other
+    at once but sticks in between; 0 everywhere for Coulomb's law as it is.
     """
-    limit = mu * pressure
-    sliding = ufl.conditional(ufl.gt(trial, 0.0), limit, -limit)
-    projected = ufl.conditional(ufl.gt(abs(trial), limit), sliding, trial)
+    forward = ufl.And(ufl.gt(trial, limit), ufl.gt(before, -0.5))
+    backward = ufl.And(ufl.lt(trial, -limit), ufl.lt(before, 0.5))
+    return ufl.conditional(forward, 1.0, ufl.conditional(backward, -1.0, 0.0))
+
+
+def coulomb(trial, pressure, limit, sliding, all_stick):
+    """Coulomb's projection  q = clip(trial, -mu p, mu p), (25), (26), with mu p the ``limit``.
+
+    sliding: from ``slides``. With ``all_stick`` = 1 every point in contact keeps its trial value: the predictor of a
+    load increment.
+    """
+    projected = ufl.conditional(ufl.gt(abs(sliding), 0.5), sliding * limit, trial)
     stuck = ufl.conditional(ufl.gt(pressure, 0.0), trial, 0.0)
     return ufl.conditional(ufl.gt(all_stick, 0.5), stuck, projected)
 

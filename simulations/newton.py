@@ -101,6 +101,7 @@ class Newton:
         self.snes.ksp.pc.setPythonContext(_Operator(system))
         with_defaults(prefix, SNES_OPTIONS, self.snes.setFromOptions)
         self._scale, self._norms = 1.0, (np.inf, np.inf)
+        self.after_linearise = lambda: None  # called with the fields at the iterate
 
     def solve(self, load, predict=None) -> NewtonResult:
         """Balance the line loads ``(Q, P)``, P > 0.
@@ -124,6 +125,18 @@ class Newton:
             reason=_REASONS.get(code, f"SNES reason {code}") if code <= 0 else "",
         )
 
+    def balance(self, load) -> NewtonResult:
+        """Whether the present state already balances the loads, by the same measure; nothing is moved."""
+        self._scale = abs(load[1])
+        self.system.begin(load, self.x)
+        self._residual(self.snes, self.x, self._f)
+        balanced = self._balanced()
+        return NewtonResult(balanced, 0, *self._norms, "" if balanced else "the fixed point has not settled")
+
+    def _balanced(self):
+        force, imbalance = self._norms
+        return force <= FORCE_TOLERANCE and imbalance <= LOAD_TOLERANCE
+
     def _step(self):
         step = self.x.duplicate()
         self._residual(self.snes, self.x, self._f)
@@ -138,13 +151,14 @@ class Newton:
     def _linearise(self, snes, x, jacobian, preconditioner):
         self.system.linearise(x)
         jacobian.assemble()
+        self.after_linearise()
 
     def _test(self, snes, iteration, norms):
         force, imbalance = self._norms
         reason = PETSc.SNES.ConvergedReason
         if not np.isfinite(norms[2]):
             return reason.DIVERGED_FNORM_NAN
-        if force <= FORCE_TOLERANCE and imbalance <= LOAD_TOLERANCE:
+        if self._balanced():
             return reason.CONVERGED_FNORM_ABS
         if iteration > 0 and norms[1] <= STEP_TOLERANCE * norms[0] and max(force, imbalance) <= ATTAINABLE:
             return reason.CONVERGED_SNORM_RELATIVE

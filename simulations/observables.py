@@ -108,10 +108,12 @@ def _zero(x, values):
     """
     stop = max(len(x) - SKIPPED, 4)
     start = max(stop - FITTED, 0)
-    fit = np.polynomial.Polynomial.fit(x[start:stop], values[start:stop], 2)
-    roots = fit.roots()
-    roots = roots[np.isreal(roots)].real
-    return float(roots[np.argmin(np.abs(roots - x[-1]))]) if roots.size else np.nan
+    for degree in (2, 1):  # a line where the parabola turns before it reaches zero
+        roots = np.polynomial.Polynomial.fit(x[start:stop], values[start:stop], degree).roots()
+        roots = roots[np.isreal(roots)].real
+        if roots.size:
+            return float(roots[np.argmin(np.abs(roots - x[-1]))])
+    return np.nan
 
 
 def _longest_run(mask):

@@ -167,9 +167,17 @@ class ContactProblem:
         if self.friction:
             self.mu = fem.Constant(body.mesh, 0.0)
             self.anchor = self._point_values("anchor")
+            self.lagged = fem.Constant(body.mesh, 0.0)  # 1: friction is limited by a pressure that is kept
+            if Y in directions:
+                self._lagged_pressure = self._point_values("lagged pressure")
+                pressure = ufl.conditional(ufl.gt(self.lagged, 0.5), self._lagged_pressure, pressure)
             s = contact.relative_displacement(u, body.delta)
             trial = contact.trial_traction(traction, s, self.anchor, gamma)
-            tractions[X] = contact.coulomb(trial, pressure, self.mu, self.all_stick)
+            self._slid = self._point_values("slid")
+            limit = self.mu * pressure
+            sliding = contact.slides(trial, limit, self._slid)
+            self._sliding = self._expression(sliding)
+            tractions[X] = contact.coulomb(trial, pressure, limit, sliding, self.all_stick)
             self._rest = self._expression(contact.rest_position(traction, s, tractions[X], gamma))
             self._released = self._expression(contact.rest_position(traction, s, 0.0, gamma))
 
@@ -241,6 +249,18 @@ class ContactProblem:
     def tributary_lengths(self) -> np.ndarray:
         """Length of surface that belongs to every owned node, (n,); zero off the strip."""
         return self._vector(self._tributary).array[Y::2].copy()
+
+    def lag_pressure(self):
+        """Keep the present pressure as the limit of friction while ``lagged`` is 1."""
+        self._interpolate(self._lagged_pressure, self._pressure)
+
+    def note_sliding(self):
+        """Remember where points slide now: until ``forget_sliding`` none turns round without sticking in between."""
+        self._interpolate(self._slid, self._sliding)
+
+    def forget_sliding(self):
+        """Coulomb's law as it is."""
+        self._slid.x.array[:] = 0.0
 
     # --- memory of the slip --------------------------------------------------------------------------------
 

@@ -6,9 +6,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from .newton import Newton, NewtonResult
-from .problem import Y, ContactProblem
+from .problem import X, Y, ContactProblem
 
 MAX_CUTS = 6
+MAX_SWEEPS = 60  # of the fixed point
 
 
 class SolveError(RuntimeError):
@@ -37,16 +38,13 @@ class Outcome:
 
     increment: Increment
     results: tuple[NewtonResult, ...] = field(default=())
+    cuts: int = 0  # halvings
 
     @property
     def iterations(self) -> int:
-        """Newton iterations, cuts included."""
+        """Newton iterations, those of failed attempts included."""
         return sum(result.iterations for result in self.results)
 
-    @property
-    def cuts(self) -> int:
-        """Solves that failed and were repeated in smaller steps."""
-        return sum(not result.converged for result in self.results)
 
 
 def pressing(P: float, increments: int = 1) -> list[Increment]:
@@ -96,10 +94,10 @@ class LoadProgramme:
             results: list[NewtonResult] = []
             if self.problem is not self.frictional and (increment.branch != "normal" or self._friction_first):
                 if self._friction_first:  # the frictionless contact of the first increment is where Newton starts
-                    self._advance(before, increment, results, cuts=0)
+                    self._advance(before, increment, results)
                 self._begin_friction()
-            self._advance(before, increment, results, cuts=0)
-            yield Outcome(increment, tuple(results))
+            cuts = self._advance(before, increment, results)
+            yield Outcome(increment, tuple(results), cuts)
             before = increment
 
     def _start(self, problem):
@@ -114,25 +112,70 @@ class LoadProgramme:
             self.frictional.release()
         self._newton = self._start(self.frictional)
 
-    def _advance(self, before: Increment, after: Increment, results: list[NewtonResult], cuts: int):
-        friction = self.problem.friction
+    def _advance(self, before: Increment, after: Increment, results: list[NewtonResult], depth: int = 0) -> int:
+        """Newton; where it fails the fixed point in the pressure; where that fails two half increments.
+
+        Appends every solve to ``results`` and returns the number of halvings.
+        """
         saved = self._save()
-        result = self._newton.solve(after.load, predict=self.problem.all_stick if friction else None)
-        results.append(result)
-        if result.converged:
-            if friction:
-                self.problem.come_to_rest()
-            return
-        self._restore(saved)
-        if cuts == MAX_CUTS:
+        predict = self.problem.all_stick if self.problem.friction else None
+        attempts = [lambda: self._newton.solve(after.load, predict)]
+        if self.problem.friction:
+            attempts.append(lambda: self._guarded(after.load, results))
+        if self.problem.directions == (X, Y):
+            attempts.append(lambda: self._fixed_point(after.load, results))
+        failed = None
+        for attempt in attempts:
+            result = attempt()
+            results.append(result)
+            failed = failed or result
+            if result.converged:
+                if self.problem.friction:
+                    self.problem.come_to_rest()
+                return 0
+            self._restore(saved)
+        if depth == MAX_CUTS:
             raise SolveError(
                 f"no equilibrium between (P, Q) = ({before.P:.4g}, {before.Q:.4g}) and ({after.P:.4g}, {after.Q:.4g}) "
-                f"({after.branch}): {result.reason}; force residual {result.residual:.1e} P after "
-                f"{result.iterations} iterations and {cuts} halvings of the increment"
+                f"({after.branch}): {failed.reason}; force residual {failed.residual:.1e} P after "
+                f"{failed.iterations} iterations and {depth} halvings of the increment"
             )
         middle = replace(after, P=(before.P + after.P) / 2, Q=(before.Q + after.Q) / 2, state="")
-        self._advance(before, middle, results, cuts + 1)
-        self._advance(middle, after, results, cuts + 1)
+        cuts = self._advance(before, middle, results, depth + 1)
+        return 1 + cuts + self._advance(middle, after, results, depth + 1)
+
+    def _guarded(self, load, results: list[NewtonResult]) -> NewtonResult:
+        """Newton in which no point turns round without sticking in between, then Newton as it is to confirm."""
+        problem = self.problem
+        self._newton.after_linearise = problem.note_sliding
+        guarded = self._newton.solve(load, problem.all_stick)
+        self._newton.after_linearise = lambda: None
+        problem.forget_sliding()
+        if not guarded.converged:
+            return guarded
+        results.append(guarded)
+        return self._newton.solve(load)
+
+    def _fixed_point(self, load, results: list[NewtonResult]) -> NewtonResult:
+        """Friction limited by the last sweep's pressure, sweep after sweep until that is the present one.
+
+        Each sweep is the tangent of a convex minimum, on which Newton does not cycle; the sweeps contract by about
+        mu times the coupling.
+        """
+        problem, predict = self.problem, self.problem.all_stick
+        for _ in range(MAX_SWEEPS):
+            problem.lag_pressure()
+            problem.lagged.value = 1.0
+            sweep = self._newton.solve(load, predict)
+            problem.lagged.value = 0.0
+            if not sweep.converged:
+                return replace(sweep, reason=f"in a fixed-point sweep, {sweep.reason}")
+            results.append(sweep)
+            predict = None
+            balance = self._newton.balance(load)
+            if balance.converged:
+                return balance
+        return balance
 
     def _fields(self):
         return [self.body.u.x] + ([self.problem.anchor.x] if self.problem.friction else [])

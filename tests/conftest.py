@@ -33,9 +33,9 @@ def coarse_overrides(**changes) -> tuple[str, ...]:
     return tuple(f"{key}={value}" for key, value in keys.items())
 
 
-def run_command(*arguments, ranks: int = 1, cwd=ROOT, timeout=600) -> subprocess.CompletedProcess:
-    """``python -m simulations.fretting`` with ``arguments`` on ``ranks``, its output as text."""
-    command = [sys.executable, "-m", "simulations.fretting", *map(str, arguments)]
+def run_command(*arguments, ranks: int = 1, cwd=ROOT, timeout=600, module="simulations.fretting") -> subprocess.CompletedProcess:
+    """``python -m module`` with ``arguments`` on ``ranks``, its output as text."""
+    command = [sys.executable, "-m", module, *map(str, arguments)]
     if ranks > 1:
         command = [shutil.which("mpirun"), "-n", str(ranks), *command]
     environment = os.environ | MPI_ENVIRONMENT | {"PYTHONPATH": str(ROOT)}

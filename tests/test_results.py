@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 
 from conftest import coarse_arguments, run_command
+from simulations import fretting
+from simulations.programme import LoadProgramme, SolveError
 from simulations.scene import LANGUAGE, parse
 
 
@@ -34,7 +36,7 @@ def test_default_loop_is_as_good_as_published(summary):
 
 def test_standard_output_ends_with_the_table(default_run):
     text = (default_run / "stdout.txt").read_text()
-    for word in ("closed form", "energy per cycle", "traction at +Q_A", "written to"):
+    for word in ("closed form", "energy per cycle", "traction, L2 over the contact", "written to"):
         assert text.count(word) == 1 or word == "closed form", word
 
 
@@ -109,13 +111,14 @@ def runs_by_ranks(tmp_path_factory):
 
 @pytest.mark.parametrize("ranks", [2, 3])
 def test_same_answer_on_any_number_of_ranks(runs_by_ranks, ranks):
+    """To 1e-7 of the largest value: Newton ends at a force residual of 1e-9 P, which the smallest facets magnify."""
     with (
         h5py.File(runs_by_ranks[1] / "surface.h5") as one,
         h5py.File(runs_by_ranks[ranks] / "surface.h5") as other,
     ):
         for name in ("x", "weight", "pressure", "traction", "slip", "P", "Q"):
             scale = np.abs(one[name][...]).max()
-            assert other[name][...] == pytest.approx(one[name][...], abs=1e-8 * scale), name
+            assert other[name][...] == pytest.approx(one[name][...], abs=1e-7 * scale), name
 
 
 def test_full_method_on_two_ranks(runs_by_ranks, tmp_path):
@@ -133,7 +136,7 @@ def test_petsc_options_reach_the_solver(tmp_path):
 
 
 def test_cut_increments_give_the_same_answer(runs_by_ranks, tmp_path):
-    """Three iterations are too few for some increments: they are halved until it works, and nothing else changes."""
+    """Three iterations are too few for some increments: they are halved, and nothing else changes."""
     done = run_command(*coarse_arguments(tmp_path), "-fretting_snes_max_it", 3)
     assert done.returncode == 0 and "cuts" in done.stdout
     with h5py.File(runs_by_ranks[1] / "surface.h5") as one, h5py.File(tmp_path / "surface.h5") as other:
@@ -142,13 +145,27 @@ def test_cut_increments_give_the_same_answer(runs_by_ranks, tmp_path):
 
 
 @pytest.mark.parametrize("ranks", [1, 2])
-def test_failed_solve_says_why_and_keeps_what_it_had(tmp_path, ranks):
-    done = run_command(*coarse_arguments(tmp_path), "-fretting_snes_max_it", 2, ranks=ranks)
+def test_failed_solve_says_why(tmp_path, ranks):
+    done = run_command(*coarse_arguments(tmp_path), "-fretting_snes_max_it", 0, ranks=ranks)
     assert done.returncode == 1
     lines = [line for line in done.stderr.splitlines() if line.startswith("not converged")]
     assert len(lines) == 1 and "too many iterations" in lines[0]
     summary = json.loads((tmp_path / "summary.json").read_text())
     assert summary["converged"] is False and "too many iterations" in summary["failure"]
-    assert "dissipated_energy" not in summary and "errors" not in summary
+    assert "a" not in summary and "errors" not in summary
+
+
+def test_failed_solve_keeps_what_it_had(tmp_path, monkeypatch):
+    """Without its cures Newton cycles in the middle of a strongly coupled loop; the states before that are kept."""
+    monkeypatch.setattr("simulations.programme.MAX_CUTS", 0)
+    monkeypatch.setattr(LoadProgramme, "_guarded", LoadProgramme._fixed_point)
+    mesh = {"mesh__facet": 0.05, "mesh__growth": 1.5, "mesh__edge_facet": 4e-3, "mesh__first_layer": 4e-3}
+    hard = mesh | {"mesh__layer_growth": 1.5, "solver__increments": 6, "solid__k": -0.5, "solid__nu": 0.3}
+    with pytest.raises(SolveError, match="too many iterations"):
+        fretting.main(coarse_arguments(tmp_path, **hard))
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert summary["converged"] is False and summary["increments"] >= 2
+    assert "dissipated_energy" not in summary and "differences" not in summary
     with h5py.File(tmp_path / "surface.h5") as file:
-        assert file["pressure"].shape[0] == summary["increments"] >= 1
+        assert file["pressure"].shape[0] == summary["increments"]
+        assert file["pressure"][-1] @ file["weight"][...] == pytest.approx(file["P"][-1], rel=1e-8)

@@ -1,0 +1,143 @@
+"""Only the effects that a scene calls for: what is on, what is off leaves no trace, and each against its reference."""
+
+import csv
+
+import h5py
+import numpy as np
+import pytest
+
+from conftest import ROOT, coarse_arguments, run_command
+from simulations.indentation import DEFAULT_SCENE as INDENTATION
+from simulations.problem import X, Y
+from simulations.programme import LoadProgramme, SolveError
+from simulations.scene import SceneError, parse
+from solving import coarse_simulation, deviations, solved
+
+FINE = {
+    "mesh__facet": 0.0125,
+    "mesh__edge_facet": 3e-4,
+    "mesh__growth": 1.2,
+    "mesh__first_layer": 1e-3,
+    "mesh__layer_growth": 1.25,
+    "solver__increments": 1,
+}
+UNCOUPLED = {"effects__coupling": "false", "solid__nu": 0.3}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "k, limit", [(0.0, 1e-4), (0.2, 1e-4), (0.5, 1e-4), (0.7, 1e-4), (0.9, 1e-4), (-0.1, 1e-3), (-0.3, 1e-3), (-0.5, 3e-3)]
+)
+def test_uncoupled_loops_match_the_closed_forms(k, limit):
+    for name, deviation in deviations(solved(**(FINE | UNCOUPLED), solid__k=k)).items():
+        assert abs(deviation) < limit, name
+
+
+@pytest.mark.parametrize("k", [0.0, 0.3, 0.9, -0.5])
+def test_uncoupled_loops_on_a_coarse_mesh(k):
+    for name, deviation in deviations(solved(**UNCOUPLED, solid__k=k)).items():
+        assert abs(deviation) < (1e-2 if k >= 0 else 3e-2), name
+
+
+def test_at_the_holl_ratio_coupling_changes_nothing():
+    on, off = solved(), solved(effects__coupling="false")
+    for one, other in zip(on.history.entries, off.history.entries, strict=True):
+        scale = one.surface.pressure.max()
+        assert one.surface.traction == pytest.approx(other.surface.traction, abs=5e-3 * scale)
+    assert on.history.dissipated_per_cycle == pytest.approx(off.history.dissipated_per_cycle, rel=2e-4)
+
+
+def test_without_coupling_the_pressure_of_the_normal_stage_stays():
+    entries = solved(**UNCOUPLED).history.entries
+    for entry in entries[1:]:
+        assert entry.surface.pressure == pytest.approx(entries[0].surface.pressure, rel=1e-12, abs=1e-15)
+
+
+def test_half_a_domain_gives_the_whole_contact():
+    whole = next(coarse_simulation(solid__nu=0.3).run()).surface
+    half_simulation = coarse_simulation(INDENTATION)
+    half = next(half_simulation.run()).surface
+    assert half_simulation.body.is_half
+    assert half.line_load(half.pressure) == pytest.approx(half_simulation.contact.P, rel=1e-8)
+    # the whole mesh is also graded to the stick edges: compare where both are fine
+    inside = np.abs(half.x) < 0.9
+    pressure = np.interp(half.x[inside], whole.x, whole.pressure)
+    assert half.pressure[inside] == pytest.approx(pressure, abs=1e-2 * whole.pressure.max())
+    assert half.u[X] == pytest.approx(-half.u[X][::-1], abs=1e-12)
+
+
+def test_frictionless_scene_leaves_no_trace_of_friction(tmp_path):
+    simulation = coarse_simulation(INDENTATION)
+    problem = simulation.solver.problem
+    assert simulation.solver.frictional is None
+    assert problem.directions == (Y,) and not hasattr(problem, "mu") and not hasattr(problem, "anchor")
+    done = run_command(*coarse_arguments(tmp_path, **{}), module="simulations.indentation")
+    assert done.returncode == 0, done.stderr
+    with h5py.File(tmp_path / "surface.h5") as file:
+        assert not {"traction", "slip", "Q"} & set(file)
+    with open(tmp_path / "history.csv", newline="") as file:
+        columns = csv.DictReader(file).fieldnames
+    assert not [name for name in columns if name.startswith(("Q", "delta_x", "c[", "dissipated"))]
+
+
+def test_explain_names_every_effect_and_writes_nothing(tmp_path):
+    done = run_command("--explain", "--output", tmp_path / "results")
+    assert done.returncode == 0
+    for name in ("grading", "friction", "symmetry", "coupling", "friction in normal stage", "displacement unknowns"):
+        assert name in done.stdout
+    assert not (tmp_path / "results").exists()
+
+
+# Measured differences of the coupled from the uncoupled problem, by finite elements and boundary elements that share no
+# code with these: pressure, traction, energy.
+@pytest.mark.parametrize(
+    "k, nu, pressure, traction, energy",
+    [(0.3, 0.3, 0.073, 0.085, -0.054), (0.0, 0.3, 0.11, 0.14, -0.125), (-0.5, 0.3, 0.20, 0.26, -0.275)],
+)
+def test_coupling_is_as_large_as_independent_solvers_find(k, nu, pressure, traction, energy):
+    found = deviations(solved(solid__k=k, solid__nu=nu, solver__increments=4))
+    assert found["pressure_l2"] == pytest.approx(pressure, abs=0.006)
+    assert found["traction_l2"] == pytest.approx(traction, abs=0.006)
+    assert found["dissipated_energy"] == pytest.approx(energy, abs=0.006)
+
+
+def test_friction_in_the_normal_stage_starts_with_locked_in_traction():
+    """Pressed on with friction away from the Holl ratio, a self-equilibrated traction is there before Q is."""
+    simulation = coarse_simulation(
+        solid__nu=0.3, effects__friction_in_normal_stage="true", solver__normal_increments=8
+    )
+    for entry in simulation.run():
+        if entry.increment.branch != "normal":
+            break
+        pressed = entry.surface
+    mu = simulation.loop.mu
+    assert np.abs(pressed.traction).max() > 0.05 * mu * pressed.pressure.max()
+    assert pressed.line_load(pressed.traction) == pytest.approx(0.0, abs=1e-8)
+    # self-similar up to the mesh: antisymmetric, and towards the middle, where the pressure drags the surface to
+    assert pressed.traction == pytest.approx(-pressed.traction[::-1], abs=2e-2 * mu * pressed.pressure.max())
+
+
+def test_a_coupled_loop_needs_the_guard_against_turning_round(monkeypatch):
+    """Strong coupling makes Newton cycle between sliding either way: with the guard no increment is halved."""
+    hard = {"solid__k": -0.5, "solid__nu": 0.3, "mesh__facet": 0.05, "mesh__edge_facet": 4e-3, "mesh__first_layer": 4e-3}
+    hard |= {"mesh__growth": 1.5, "mesh__layer_growth": 1.5, "solver__increments": 6}
+    monkeypatch.setattr("simulations.programme.MAX_CUTS", 0)
+    solved(**hard)
+    monkeypatch.setattr(LoadProgramme, "_guarded", LoadProgramme._fixed_point)
+    with pytest.raises(SolveError, match="too many iterations"):
+        solved(**hard)
+
+
+def test_friction_follows_from_the_scene():
+    assert parse(INDENTATION)["effects.friction"] is False
+    with pytest.raises(SceneError, match="load.mu is missing"):
+        parse(INDENTATION, ("load.amplitude=0.5",))
+    with pytest.raises(SceneError, match="friction_in_normal_stage"):
+        parse((ROOT / "scenes" / "uncoupled.toml").read_text(), ("effects.friction_in_normal_stage=true",))
+
+
+@pytest.mark.parametrize("scene", sorted(path.name for path in (ROOT / "scenes").glob("*.toml")))
+def test_ready_scenes_run(scene, tmp_path):
+    done = run_command(ROOT / "scenes" / scene, *coarse_arguments(tmp_path))
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "summary.json").exists()
