@@ -31,9 +31,7 @@ def virtual_work(u, v, modulus, nu: float, depth: DepthMap, s, correction=1.0):
     """
     stretch = depth.stretch(s)
     young = correction * modulus.young(depth.y(s))
-    return ufl.inner(
-        stress(young * depth.gradient(u, s), nu), ufl.sym(depth.gradient(v, s))
-    ) * stretch
+    return ufl.inner(stress(young * depth.gradient(u, s), nu), ufl.sym(depth.gradient(v, s))) * stretch
 
 
 def surface_traction(u, modulus, nu: float, depth: DepthMap, h):

@@ -15,7 +15,7 @@ from petsc4py import PETSc
 from scipy.linalg import lapack
 
 from .newton import with_defaults
-from .problem import X, Y, ContactProblem, HalfPlane
+from .problem import ContactProblem, HalfPlane, X, Y
 
 OPTIONS = {
     "ksp_type": "preonly",

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from dolfinx import fem
 
-from .problem import X, Y, ContactProblem, HalfPlane
+from .problem import ContactProblem, HalfPlane, X, Y
 
 SKIPPED, FITTED = 5, 10  # nodes next to an edge that carry its discretisation error, and those read beyond them
 ROUND_OFF = 1e-9  # a traction this close (relative to the largest limit) to its limit slides

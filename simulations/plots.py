@@ -14,7 +14,9 @@ COLOURS = {"A": "#0072B2", "B": "#E69F00", "C": "#009E73", "D": "#CC79A7", "E": 
 DOTS = 45  # computed points shown a curve
 
 
-def plot_run(path: Path, title: str, history: History, contact: CylinderContact, loop: FrettingLoop | None, exact: bool):
+def plot_run(
+    path: Path, title: str, history: History, contact: CylinderContact, loop: FrettingLoop | None, exact: bool
+):
     """PNG of the last state's pressure and, with friction, the states A ... E of the last cycle and the loop.
 
     exact: the closed form describes the same problem.

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from .newton import Newton, NewtonResult
-from .problem import X, Y, ContactProblem
+from .problem import ContactProblem, X, Y
 
 MAX_CUTS = 6
 MAX_SWEEPS = 60  # of the fixed point
@@ -44,7 +44,6 @@ class Outcome:
     def iterations(self) -> int:
         """Newton iterations, those of failed attempts included."""
         return sum(result.iterations for result in self.results)
-
 
 
 def pressing(P: float, increments: int = 1) -> list[Increment]:

@@ -213,7 +213,19 @@ def resolve(given: dict[str, Any]) -> Scene:
             values[name] = key.default
         elif name not in ALTERNATIVES:
             raise SceneError(f"{name} is missing: {key.allowed}")
-    return Scene(_resolve_words(values))
+    scene = Scene(_resolve_words(values))
+    _check_size(scene)
+    return scene
+
+
+def _check_size(scene: Scene):
+    """SceneError where the numbers, each allowed, make a contact that no computer number can hold."""
+    try:
+        sizes = scene.contact.a, scene["solid.y0"], scene.contact.peak_pressure
+    except (ArithmeticError, ValueError) as error:
+        raise SceneError(f"the scene's numbers do not fit together: {error}") from None
+    if not all(isfinite(size) and size > 0 for size in sizes):
+        raise SceneError(f"the scene's numbers do not fit together: a, y0, p(0) = {', '.join(f'{s:g}' for s in sizes)}")
 
 
 def _resolve_words(values: dict[str, Any]) -> dict[str, Any]:
@@ -222,11 +234,11 @@ def _resolve_words(values: dict[str, Any]) -> dict[str, Any]:
         if k <= 0:
             raise SceneError(f'solid.nu = "holl" is not allowed: at k = {k:g} the Holl ratio is not below 1/2')
         values["solid.nu"] = GradedHalfPlane.holl_ratio(k)
-    # a0 does not depend on k and y0: any solid of this E0 and nu has it
-    solid = GradedHalfPlane(E0=values["solid.E0"], nu=values["solid.nu"], k=0.0, y0=1.0)
-    a0 = CylinderContact(solid, R=values["indenter.R"], P=values["load.P"]).a0
-    values.setdefault("solid.y0", values.get("solid.y0_over_a0", 0.0) * a0)
-    values.pop("solid.y0_over_a0", None)
+    ratio = values.pop("solid.y0_over_a0", None)
+    if ratio is not None:
+        # a0 does not depend on k and y0: any solid of this E0 and nu has it
+        solid = GradedHalfPlane(E0=values["solid.E0"], nu=values["solid.nu"], k=0.0, y0=1.0)
+        values["solid.y0"] = ratio * CylinderContact(solid, R=values["indenter.R"], P=values["load.P"]).a0
     return {name: values[name] for name in LANGUAGE if name in values}
 
 

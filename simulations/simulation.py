@@ -12,7 +12,7 @@ from .full import FullSystem
 from .history import Entry, History
 from .mesh import Grading, columns, half_plane, layers
 from .observables import SurfaceSampler
-from .problem import X, Y, ContactProblem, HalfPlane, Nitsche
+from .problem import ContactProblem, HalfPlane, Nitsche, X, Y
 from .programme import LoadProgramme, pressing, rocking
 from .scaling import Scales, scaled_solid
 from .scene import Scene

@@ -27,13 +27,20 @@ MPI_ENVIRONMENT = {  # more ranks than cores, as root, sharing them: what the im
 }
 
 
+def pytest_collection_modifyitems(items):
+    """Quick tests first."""
+    items.sort(key=lambda item: item.get_closest_marker("slow") is not None)
+
+
 def coarse_overrides(**changes) -> tuple[str, ...]:
     """``key=value`` overrides of a coarse scene; ``solver__method="full"`` changes solver.method."""
     keys = COARSE | {name.replace("__", "."): value for name, value in changes.items()}
     return tuple(f"{key}={value}" for key, value in keys.items())
 
 
-def run_command(*arguments, ranks: int = 1, cwd=ROOT, timeout=600, module="simulations.fretting") -> subprocess.CompletedProcess:
+def run_command(
+    *arguments, ranks: int = 1, cwd=ROOT, timeout=600, module="simulations.fretting"
+) -> subprocess.CompletedProcess:
     """``python -m module`` with ``arguments`` on ``ranks``, its output as text."""
     command = [sys.executable, "-m", module, *map(str, arguments)]
     if ranks > 1:

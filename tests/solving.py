@@ -1,8 +1,8 @@
 """Small problems solved in-process by the tests."""
 
+from conftest import coarse_overrides
 from mpi4py import MPI
 
-from conftest import coarse_overrides
 from simulations.comparison import compare
 from simulations.scene import DEFAULT_SCENE, parse
 from simulations.simulation import Simulation

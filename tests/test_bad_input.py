@@ -1,8 +1,8 @@
 """Wrong input: one line that names key, value and what is allowed; exit code 2; nothing written."""
 
 import pytest
-
 from conftest import run_command
+
 from simulations.scene import DEFAULT_SCENE, SceneError, parse
 
 WRONG = {
@@ -17,6 +17,8 @@ WRONG = {
     "--set without value": (("--set", "load.mu"), ("KEY=VALUE",)),
     "unknown option": (("--ouput", "x"), ("--ouput",)),
     "theta": (("--set", "solver.theta=1", "--set", "solver.method=condensed"), ("solver.theta", "full")),
+    "overflow": (("--set", "load.P=1e300", "--set", "solid.E0=1e-300"), ("do not fit together",)),
+    "table for a number": (("--set", "solid.k={a=1}"), ("solid.k", "a number")),
     "missing scene": (("absent.toml",), ("absent.toml", "No such file")),
 }
 
@@ -63,7 +65,9 @@ def test_output_folder_that_cannot_be_written(tmp_path, ranks):
     assert [path.name for path in tmp_path.iterdir()] == ["file"]
 
 
-@pytest.mark.parametrize("key", ["solid.E0", "solid.k", "solid.nu", "indenter.R", "load.P", "load.mu", "load.amplitude"])
+@pytest.mark.parametrize(
+    "key", ["solid.E0", "solid.k", "solid.nu", "indenter.R", "load.P", "load.mu", "load.amplitude"]
+)
 def test_missing_key_is_named(key):
     name = key.partition(".")[2]
     text = "\n".join(line for line in DEFAULT_SCENE.splitlines() if not line.startswith(f"{name} "))

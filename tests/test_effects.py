@@ -5,13 +5,13 @@ import csv
 import h5py
 import numpy as np
 import pytest
-
 from conftest import ROOT, coarse_arguments, run_command
+from solving import coarse_simulation, deviations, solved
+
 from simulations.indentation import DEFAULT_SCENE as INDENTATION
 from simulations.problem import X, Y
 from simulations.programme import LoadProgramme, SolveError
 from simulations.scene import SceneError, parse
-from solving import coarse_simulation, deviations, solved
 
 FINE = {
     "mesh__facet": 0.0125,
@@ -26,7 +26,8 @@ UNCOUPLED = {"effects__coupling": "false", "solid__nu": 0.3}
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "k, limit", [(0.0, 1e-4), (0.2, 1e-4), (0.5, 1e-4), (0.7, 1e-4), (0.9, 1e-4), (-0.1, 1e-3), (-0.3, 1e-3), (-0.5, 3e-3)]
+    "k, limit",
+    [(0.0, 1e-4), (0.2, 1e-4), (0.5, 1e-4), (0.7, 1e-4), (0.9, 1e-4), (-0.1, 1e-3), (-0.3, 1e-3), (-0.5, 3e-3)],
 )
 def test_uncoupled_loops_match_the_closed_forms(k, limit):
     for name, deviation in deviations(solved(**(FINE | UNCOUPLED), solid__k=k)).items():
@@ -103,9 +104,7 @@ def test_coupling_is_as_large_as_independent_solvers_find(k, nu, pressure, tract
 
 def test_friction_in_the_normal_stage_starts_with_locked_in_traction():
     """Pressed on with friction away from the Holl ratio, a self-equilibrated traction is there before Q is."""
-    simulation = coarse_simulation(
-        solid__nu=0.3, effects__friction_in_normal_stage="true", solver__normal_increments=8
-    )
+    simulation = coarse_simulation(solid__nu=0.3, effects__friction_in_normal_stage="true", solver__normal_increments=8)
     for entry in simulation.run():
         if entry.increment.branch != "normal":
             break
@@ -119,7 +118,13 @@ def test_friction_in_the_normal_stage_starts_with_locked_in_traction():
 
 def test_a_coupled_loop_needs_the_guard_against_turning_round(monkeypatch):
     """Strong coupling makes Newton cycle between sliding either way: with the guard no increment is halved."""
-    hard = {"solid__k": -0.5, "solid__nu": 0.3, "mesh__facet": 0.05, "mesh__edge_facet": 4e-3, "mesh__first_layer": 4e-3}
+    hard = {
+        "solid__k": -0.5,
+        "solid__nu": 0.3,
+        "mesh__facet": 0.05,
+        "mesh__edge_facet": 4e-3,
+        "mesh__first_layer": 4e-3,
+    }
     hard |= {"mesh__growth": 1.5, "mesh__layer_growth": 1.5, "solver__increments": 6}
     monkeypatch.setattr("simulations.programme.MAX_CUTS", 0)
     solved(**hard)

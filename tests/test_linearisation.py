@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
+from conftest import coarse_overrides
 from mpi4py import MPI
 
-from conftest import coarse_overrides
 from simulations.condensed import Compliance, CondensedSystem
 from simulations.full import FullSystem
-from simulations.problem import X, Y, ContactProblem, Nitsche
+from simulations.problem import ContactProblem, Nitsche, X, Y
 from simulations.scene import DEFAULT_SCENE, parse
 from simulations.simulation import Simulation, parabola
 

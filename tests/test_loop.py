@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
+from solving import coarse_simulation, deviations, solved
 
 from analytic import CylinderContact
 from simulations.comparison import relative_l2
 from simulations.mesh import Grading
 from simulations.scaling import Scales
 from simulations.scene import DEFAULT_SCENE, parse
-from solving import coarse_simulation, deviations, solved
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,7 @@ from simulations.full import FullSystem
 from simulations.mesh import half_plane
 from simulations.newton import Newton
 from simulations.observables import SurfaceSampler
-from simulations.problem import X, Y, ContactProblem, HalfPlane, Nitsche
+from simulations.problem import ContactProblem, HalfPlane, Nitsche, X, Y
 
 WIDTH, DEPTH, NU = 2.0, 1.5, 0.3
 

@@ -8,8 +8,8 @@ import h5py
 import meshio
 import numpy as np
 import pytest
-
 from conftest import coarse_arguments, run_command
+
 from simulations import fretting
 from simulations.programme import LoadProgramme, SolveError
 from simulations.scene import LANGUAGE, parse
