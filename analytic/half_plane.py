@@ -1,4 +1,4 @@
-"""Incremental frictional contact of a rigid convex profile with an elastic half-plane, normal-tangential coupling included.
+"""Incremental frictional contact of a rigid convex profile with a half-plane, normal-tangential coupling included.
 
 A boundary-element reference without mesh of the body: tractions on nodes that follow the edges of contact and
 stick from increment to increment, the surface kernels integrated exactly, and the conditions of Signorini and
@@ -15,16 +15,17 @@ from scipy.optimize import brentq
 
 from .half_plane_increment import ContactNotConverged, ContactSets, Increment
 from .half_plane_interpolation import integral, interpolated
-from .half_plane_layout import Layout
+from .half_plane_layout import Layout, first_distance
 from .half_plane_operator import element_moments, nodal_moments
 from .half_plane_state import ContactState, Memory, StoredField
 from .material import GradedHalfPlane
 from .surface_kernel import PowerLawKernel, SurfaceKernel
 
 COARSE_MARGIN, MARGIN = 0.1, 0.01  # nodes beyond the contact over its width: while the edges are sought, and then
-SOUGHT = 1e-3  # motion of the edges over the width of the contact below which all nodes are used,
-SETTLED = 1e-4  # and below which they have come to rest, for k = 0; smaller where the roots are sharper
-PASSES = 12
+SOUGHT = 2e-3  # motion of the edges over the width of the contact below which all nodes are used,
+SETTLED = 0.3  # and below which they rest, over the distance from an edge to its first few nodes
+PATIENCE = 5  # passes with all nodes after which edges rest that move less than SOUGHT: a stick zone of few nodes
+PASSES = 20
 
 
 @dataclass(frozen=True)
@@ -74,14 +75,15 @@ class HalfPlaneContact:
         """Solves on nodes that follow the edges until these rest: with half of the nodes first, then with all."""
         k = self.kernel.k
         mu = self.mu if self.friction_in_normal_stage or not normal_stage else 0.0
-        layout, old_edges = memory.layout, memory.layout.old_edges
-        fine, solution, iterations = False, None, 0
+        layout, old_edges = memory.layout, memory.edges_left_behind(Q)
+        fine, solution, iterations = 0, None, 0
+        settled = SETTLED * first_distance(self.nodes, k)
         for _ in range(PASSES):
             margin = layout.width * (MARGIN if fine else COARSE_MARGIN)
             reached = True
             while reached:
                 x = layout.nodes(self.nodes if fine else self.nodes // 2, margin, k)
-                operator = layout.operator(self.kernel, x, fine, self.coupling)
+                operator = layout.operator(self.kernel, x, fine > 0, self.coupling)
                 increment = Increment(operator, self.profile.height(x), memory.position(x), mu, P, Q)
                 solution = increment.solve(_initial_sets(x, layout, solution))
                 iterations += solution.iterations
@@ -89,16 +91,16 @@ class HalfPlaneContact:
                 margin = 2 * margin + 0.5 * layout.width
             new = layout.of(solution, mu, k, old_edges)
             motion = new.distance(layout)
-            if fine and motion < SETTLED ** (2 / (2 + k)):
-                return self._remember(memory, new, operator, solution, P, Q, normal_stage, iterations)
-            fine = fine or motion < SOUGHT
+            fine += fine > 0 or motion < SOUGHT
+            if fine > 1 and motion < (SOUGHT if fine > PATIENCE else settled):
+                return self._remember(memory, new, operator, solution, P, Q, normal_stage, motion, iterations)
             layout = new
         raise ContactNotConverged(
             f"P = {P:g}, Q = {Q:g}: after {PASSES} passes the edges of contact and stick still move "
             f"by {motion:.1e} of the width of the contact"
         )
 
-    def _remember(self, memory, layout, operator, solution, P, Q, normal_stage, iterations):
+    def _remember(self, memory, layout, operator, solution, P, Q, normal_stage, motion, iterations):
         x = operator.nodes
         mean_pressure = (solution.pressure + memory.pressure(x)) / 2
         friction = self.mu * solution.sets.slipping * mean_pressure
@@ -118,7 +120,6 @@ class HalfPlaneContact:
             reference = memory.reference
             slip = np.where(solution.stuck, memory.slip(x), solution.position - reference(x))
             slip_field = StoredField(x, slip, lambda y: position(y) - reference(y))
-        zones = layout.zones
         state = ContactState(
             P,
             Q,
@@ -129,15 +130,17 @@ class HalfPlaneContact:
             slip,
             solution.gap,
             layout.contact,
-            (zones[0, 0], zones[-1, 1]) if len(zones) else (np.nan, np.nan),
-            zones,
+            layout.stick,
+            layout.zones,
             memory.dissipated_energy + work,
             solution.delta_x,
             solution.delta_y,
+            motion,
             iterations,
         )
         pressure = partial(interpolated, x, operator.of_pressure, solution.pressure)
-        return Memory(state, layout, slip_field, reference, pressure)
+        moved = np.sign(Q - memory.state.Q) if memory.state else 0.0
+        return Memory(state, layout, slip_field, reference, pressure, moved or memory.direction)
 
     def _guessed_half_width(self, P):
         """Length l over which the load P makes a displacement of the order of the indenter's height f(l)."""
@@ -161,4 +164,7 @@ def _initial_sets(x, layout, previous):
     if previous is None:
         return ContactSets(closed, np.zeros(len(x)))
     nearest = np.searchsorted((previous.x[1:] + previous.x[:-1]) / 2, x)
-    return ContactSets(closed, np.where(closed, previous.sets.slipping[nearest], 0.0))
+    slipping = np.where(closed, previous.sets.slipping[nearest], 0.0)
+    centre = np.mean(layout.stick if len(layout.zones) else layout.contact)
+    slipping[np.abs(x - centre).argmin()] = 0.0  # a stick zone may lie between two nodes
+    return ContactSets(closed, slipping)

@@ -8,7 +8,7 @@ from .half_plane_operator import SurfaceOperator
 
 MAX_ITERATIONS = 400
 RETURN = 2  # nodes by which a stick zone grows in one iteration
-ROUNDING = 1e-12  # of the largest pressure or displacement: violations below are rounding
+ROUNDING = 1e-12, 1e-9  # of the largest pressure or displacement: violations below are rounding; once sets cycle
 
 
 class ContactNotConverged(RuntimeError):
@@ -28,8 +28,6 @@ class IncrementSolution:
     """Tractions at the nodes [stress], rigid displacements of the indenter [length], and what follows."""
 
     x: np.ndarray
-    weight: np.ndarray
-    weight_q: np.ndarray
     pressure: np.ndarray
     traction: np.ndarray
     gap: np.ndarray
@@ -61,13 +59,13 @@ class Increment:
 
         Each iteration solves the linear problem of the current sets, and then changes the status of every
         node that violates its conditions (a semismooth Newton step). Should the sets cycle, the violated node
-        farthest to the right is changed alone (Murty's rule), which ends after finitely many steps for the
-        P-matrices of such problems. Raises ContactNotConverged.
+        farthest to the right is changed alone (Murty's rule), which ends after finitely many steps if the matrix is
+        a P-matrix; that of friction need not be one, hence the limit. Raises ContactNotConverged.
         """
         seen, cycling = set(), False
         for iteration in range(1, MAX_ITERATIONS + 1):
             solution = self._linear(sets, iteration)
-            new = self._updated(solution)
+            new = self._updated(solution, ROUNDING[cycling])
             changed = (new.closed != sets.closed) | (new.slipping != sets.slipping)
             if not changed.any():
                 return solution
@@ -87,7 +85,7 @@ class Increment:
         )
 
     def _linear(self, sets, iteration):
-        """Tractions and rigid displacements of fixed sets: unknown p in contact, q where it sticks, delta_x, delta_y."""
+        """Solution of fixed sets: unknown p in contact, q where it sticks, delta_x and delta_y."""
         op, n = self.operator, len(self.height)
         closed = np.flatnonzero(sets.closed)
         stick = np.flatnonzero(sets.closed & (sets.slipping == 0)) if self.mu else closed[:0]
@@ -135,12 +133,12 @@ class Increment:
         gap = np.where(sets.closed, 0.0, self.height + u_y - delta_y)
         position = u_x - delta_x
         position[stick] = self.rest[stick]
-        return IncrementSolution(op.nodes, op.weight, op.weight_q, p, q, gap, position, delta_x, delta_y, sets, iteration)
+        return IncrementSolution(op.nodes, p, q, gap, position, delta_x, delta_y, sets, iteration)
 
-    def _updated(self, s):
+    def _updated(self, s, rounding):
         """Sets after Signorini's and Coulomb's conditions at every node."""
-        p_rounding = ROUNDING * s.pressure.max()
-        u_rounding = ROUNDING * np.ptp(self.height)
+        p_rounding = rounding * s.pressure.max()
+        u_rounding = rounding * np.ptp(self.height)
         closed = np.where(s.sets.closed, s.pressure > -p_rounding, s.gap < -u_rounding)
         if not self.mu:
             return ContactSets(closed, s.sets.slipping)
@@ -155,5 +153,9 @@ class Increment:
         if (backwards & beside_stick).any():
             backwards &= beside_stick
         slipping = np.where(was_slipping == 0, begins, np.where(backwards, 0.0, was_slipping))
-        slipping = np.where(s.sets.closed, slipping, -np.sign(s.position - self.rest))  # as a free point moves
-        return ContactSets(closed, np.where(closed, slipping, 0.0))
+        free_motion = np.sign(s.position - self.rest)  # of a point that comes into contact
+        slipping = np.where(s.sets.closed, slipping, -free_motion)
+        slipping = np.where(closed, slipping, 0.0)
+        if closed.any() and slipping[closed].all():  # |Q| < mu P: somewhere slip changes its sign
+            slipping[np.where(closed, np.abs(s.position - self.rest), np.inf).argmin()] = 0.0
+        return ContactSets(closed, slipping)

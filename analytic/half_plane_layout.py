@@ -14,6 +14,17 @@ STICK_DENSITY = 2.0  # of nodes at edges of stick, which move, over that at othe
 NEIGHBOUR = 0.01  # distance over the width of the contact below which an old edge is as good as the new one
 
 
+def grading_order(k):
+    """Order of the grading: twice the least for roots distance^((1+k)/2); most of the error is next to the edges."""
+    return 8 / (2 + k)
+
+
+def first_distance(nodes, k):
+    """Distance from an edge, over the width of the contact, below which nodes are spaced wider than that distance."""
+    order = grading_order(k)
+    return (8 * order / nodes) ** order  # about nodes/8 on each side of an edge
+
+
 @dataclass(frozen=True)
 class Layout:
     """Assumed contact (left, right), stick zones, shape (n, 2), and edges of earlier stick inside these [length]."""
@@ -33,8 +44,8 @@ class Layout:
         return self.contact[1] - self.contact[0]
 
     @property
-    def old_edges(self):
-        """Edges of stick that the next increment may leave behind."""
+    def stick_edges(self):
+        """Edges of stick, present and past."""
         return self.kinks + Edges.of_zones(self.zones)
 
     def nodes(self, count, margin, k):
@@ -43,8 +54,7 @@ class Layout:
         position = np.concatenate([self.contact, self.kinks.position, self.zones.ravel()])
         density = np.ones(len(position))
         density[len(position) - self.zones.size :] = STICK_DENSITY
-        # twice the least order for roots distance^((1+k)/2): most of the error is next to the edges
-        return graded_nodes(low, high, position, density, count, SMALLEST * self.width, 8 / (2 + k))
+        return graded_nodes(low, high, position, density, count, SMALLEST * self.width, grading_order(k))
 
     def operator(self, kernel, nodes, settled, coupled):
         """Operator on ``nodes``, with interpolations that trust the edges if they are ``settled``."""
@@ -52,8 +62,8 @@ class Layout:
             return SurfaceOperator.on(kernel, nodes, linear(nodes), linear(nodes), coupled)
         contact, none = Edges.of_zones([self.contact]), Edges.of_zones([])
         exponent = (1 + kernel.k) / 2
-        of_pressure = adapted(nodes, contact, self.old_edges, exponent, self.width)
-        of_traction = adapted(nodes, contact + self.old_edges, none, exponent, self.width)
+        of_pressure = adapted(nodes, contact, self.stick_edges, exponent, self.width)
+        of_traction = adapted(nodes, contact + self.stick_edges, none, exponent, self.width)
         return SurfaceOperator.on(kernel, nodes, of_pressure, of_traction, coupled)
 
     def of(self, solution, mu, k, old_edges):
@@ -61,9 +71,14 @@ class Layout:
         contact, zones = contact_edges(solution, k), stick_zones(solution, mu, k)
         return Layout(contact, zones, inner_edges(old_edges, zones, NEIGHBOUR * (contact[1] - contact[0])))
 
+    @property
+    def stick(self):
+        """Left and right end of all stick zones; nan without stick."""
+        return (self.zones[0, 0], self.zones[-1, 1]) if len(self.zones) else (np.nan, np.nan)
+
     def distance(self, other):
-        """Largest distance of corresponding edges over the width of the contact; infinite if their number differs."""
-        if len(self.zones) != len(other.zones):
+        """Largest motion of the ends of contact and stick over the width; infinite if stick comes or goes."""
+        if (len(self.zones) == 0) != (len(other.zones) == 0):
             return np.inf
-        here, there = (np.append(layout.contact, layout.zones.ravel()) for layout in (self, other))
-        return np.abs(here - there).max() / self.width
+        here, there = (np.append(layout.contact, layout.stick) for layout in (self, other))
+        return np.nanmax(np.abs(here - there)) / self.width

@@ -35,6 +35,12 @@ def element_moments(kernel: SurfaceKernel, x, nodes):
                 moments[:, r] += value
     i, j = np.nonzero(near)
     moments[:, :, i, j] = _near(kernel, x[i] - nodes[j], x[i] - nodes[j + 1], length[j])
+    if hasattr(kernel, "smooth"):
+        for g, w in zip(GAUSS, GAUSS_WEIGHT, strict=True):
+            z = offset[i, j] - length[j] / 2 * g
+            value = kernel.smooth(np.abs(z)) * (w / 2 * length[j])
+            value[2] *= np.sign(z)
+            moments[:, :, i, j] += value[:, None] * ((1 + g) / 2) ** np.arange(POWERS)[:, None]
     return moments
 
 
@@ -59,7 +65,7 @@ def _signed(kernel, z):
 
 
 def nodal_moments(moments, interpolation):
-    """Displacements of unit values at the nodes, shape (..., len(x), len(nodes)), from moments (..., 4, len(x), elements)."""
+    """Displacements (..., len(x), nodes) of unit values at the nodes, from moments (..., 4, len(x), elements)."""
     _, elements, nodes = interpolation.shape
     result = np.zeros((*moments.shape[:-3], moments.shape[-2], nodes))
     j = np.arange(elements)
@@ -83,7 +89,7 @@ class SurfaceOperator:
     """Displacements at the ``nodes`` of pressure and traction, each with an interpolation of its own.
 
     normal, tangential: matrices N of the pressure and T of the traction; coupling, coupling_q: D of the
-    pressure and of the traction [length/stress]; weight, weight_q: quadrature weights of pressure and traction [length].
+    pressure and of the traction [length/stress]; weight, weight_q: their quadrature weights [length].
     """
 
     nodes: np.ndarray
@@ -98,9 +104,11 @@ class SurfaceOperator:
 
     @classmethod
     def on(cls, kernel, nodes, of_pressure, of_traction, coupled=True):
-        """Operator of ``kernel`` for interpolations (4, elements, nodes) of both; without ``coupled``, D is left out."""
+        """Operator for interpolations (4, elements, nodes) of both; without ``coupled``, D is zero."""
         N, T, D = element_moments(kernel, nodes, nodes)
-        coupling, coupling_q = (nodal_moments(D, i) for i in (of_pressure, of_traction))
+        coupling = coupling_q = np.zeros((len(nodes), len(nodes)))
+        if coupled:
+            coupling, coupling_q = (nodal_moments(D, i) for i in (of_pressure, of_traction))
         return cls(
             nodes,
             of_pressure,
@@ -109,8 +117,8 @@ class SurfaceOperator:
             nodal_integrals(nodes, of_traction),
             nodal_moments(N, of_pressure),
             nodal_moments(T, of_traction),
-            coupling * coupled,
-            coupling_q * coupled,
+            coupling,
+            coupling_q,
         )
 
     def displacement(self, pressure, traction):

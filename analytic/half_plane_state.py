@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from .half_plane_interpolation import Edges
 from .half_plane_layout import Layout
 
 
@@ -19,7 +20,7 @@ class ContactState:
     there is no contact; gap [length]; contact, stick: left and right edge [length], stick nan without friction;
     stick_zones: all of them, shape (n, 2); dissipated_energy: frictional work since first contact [stress x length²];
     delta_x, delta_y: displacements of the indenter [length], for k <= 0 up to a constant times the loads;
-    iterations: linear solves.
+    edge_motion: between the last two sets of nodes, over the width of the contact; iterations: linear solves.
     """
 
     P: float
@@ -36,6 +37,7 @@ class ContactState:
     dissipated_energy: float
     delta_x: float
     delta_y: float
+    edge_motion: float
     iterations: int
 
 
@@ -63,17 +65,25 @@ class StoredField:
 
 @dataclass(frozen=True)
 class Memory:
-    """Last state (None before first contact), its layout, and functions of x: slip, its reference u_x - delta_x, pressure."""
+    """Last state (None before first contact), its layout, and functions of x: slip, its reference u_x - delta_x,
+    pressure; and the direction in which Q last moved."""
 
     state: ContactState | None
     layout: Layout
     slip: Callable = np.zeros_like
     reference: Callable = np.zeros_like
     pressure: Callable = np.zeros_like
+    direction: float = 0.0
 
     def position(self, x):
         """u_x - delta_x at x [length]."""
         return self.slip(x) + self.reference(x)
+
+    def edges_left_behind(self, Q):
+        """Edges of stick where slip ended for good; those of the last increment count if Q turns back from it."""
+        kinks = self.layout.kinks
+        turned = self.state is not None and np.sign(Q - self.state.Q) not in (0.0, self.direction)
+        return kinks + Edges.of_zones(self.layout.zones) if turned else kinks
 
     @property
     def dissipated_energy(self):

@@ -28,7 +28,10 @@ class SurfaceKernel(Protocol):
         """N, T and D at distance z > 0 [1/stress], shape (3, *z.shape)."""
 
     def antiderivatives(self, z) -> np.ndarray:
-        """Their first to fourth antiderivatives, all zero at z = 0, for z >= 0, shape (4, 3, *z.shape)."""
+        """Their first to fourth antiderivatives, all zero at z = 0, for z >= 0, shape (4, 3, *z.shape).
+
+        A kernel with a method ``smooth`` leaves out that part of its values, which is integrated by quadrature.
+        """
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,201 @@
+"""The contact solver: against the closed forms without coupling, known limits with it, and its own balances."""
+
+from functools import lru_cache
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicSpline
+from scipy.optimize import brentq
+from scipy.special import ellipk, ellipkm1
+
+from analytic import CylinderContact, GradedHalfPlane, PowerProfile, Profile, ProfileContact
+from analytic.half_plane import HalfPlaneContact
+from analytic.half_plane_increment import ContactNotConverged
+
+MU, P, R = 0.3, 1.0, 1.0
+Q_A = 0.9 * MU * P
+PROFILE = PowerProfile(1 / (2 * R), 2.0)
+
+
+def solid_of(k, nu=0.3):
+    return GradedHalfPlane(1.0, nu, k, 1.0)
+
+
+def cycle(increments):
+    """Loads from Q_A over -Q_A back to Q_A."""
+    return [*np.linspace(Q_A, -Q_A, increments // 2 + 1)[1:], *np.linspace(-Q_A, Q_A, increments // 2 + 1)[1:]]
+
+
+@lru_cache
+def loop(k, nu=0.3, coupling=True, increments=8, cycles=1, nodes=300, scale=1.0):
+    """States after the normal stage and at the loads Q_A, then of the cycles; lengths times ``scale``."""
+    solid = GradedHalfPlane(1.0, nu, k, scale)
+    profile = PowerProfile(1 / (2 * R * scale), 2.0)
+    loads = [(P * scale, Q * scale) for Q in (0.0, Q_A, *(cycles * cycle(increments)))]
+    return HalfPlaneContact(solid, profile, MU, coupling=coupling, nodes=nodes).run(loads)
+
+
+def error(state, values, expected):
+    """Relative L2 error."""
+    return np.sqrt(state.weight @ (values - expected) ** 2 / (state.weight @ expected**2))
+
+
+# -- coupling off: the closed forms --------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("k", "nodes"), [(-0.5, 500), (-0.3, 400), (0.0, 300), (0.3, 300), (0.9, 200)])
+def test_without_coupling_the_closed_forms(k, nodes):
+    """p, q, slip and edges at A, B, C, D, E and the energy of the loop to 1e-4."""
+    contact = CylinderContact(solid_of(k), R, P)
+    exact = contact.fretting(MU, Q_A)
+    states = loop(k, coupling=False, nodes=nodes)
+    for index, branch in [(1, "initial"), (2, "unloading"), (3, "unloading"), (4, "unloading"), (5, "unloading")]:
+        state = states[index]
+        inside = np.abs(state.x) < contact.a
+        assert error(state, state.pressure, contact.pressure(state.x)) < 1e-4
+        q = exact.traction(state.x, state.Q, branch)
+        assert error(state, state.traction, q) < 1e-4
+        slip = np.where(inside, exact.slip(np.where(inside, state.x, 0.0), state.Q, branch), 0.0)
+        assert error(state, np.where(inside, -state.slip, 0.0), slip) < 1e-4
+        assert state.contact == pytest.approx((-contact.a, contact.a), rel=1e-4)
+        d = exact.active_half_width(state.Q, branch)
+        assert state.stick == pytest.approx((-d, d), rel=1e-4)
+    energy = states[-1].dissipated_energy - states[1].dissipated_energy
+    assert energy == pytest.approx(exact.dissipated_energy, rel=1e-4)
+
+
+def test_another_profile_with_a_flat():
+    """Pressure of the rounded punch."""
+    solid, punch = solid_of(0.3), Profile(lambda u: u**2 / 2, lambda u: u, np.ones_like, flat=0.4)
+    state = HalfPlaneContact(solid, punch, MU, coupling=False).run([(P, 0.0)])[-1]
+    exact = ProfileContact.from_load(solid, punch, P, a_max=3.0)
+    assert state.contact == pytest.approx((-exact.a, exact.a), rel=1e-3)
+    assert error(state, state.pressure, exact.pressure(state.x)) < 2e-3  # nodes do not know of the corner at the flat
+
+
+# -- coupling on ---------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("k", [0.0, 0.3, 0.9])
+def test_holl_ratio_decouples(k):
+    nu = GradedHalfPlane.holl_ratio(k)
+    coupled, uncoupled = (loop(k, nu, coupling, nodes=200) for coupling in (True, False))
+    for state, other in zip(coupled, uncoupled, strict=True):
+        assert state.contact == pytest.approx(other.contact, rel=1e-9)
+        assert np.abs(state.traction - np.interp(state.x, other.x, other.traction)).max() < 1e-8 * state.pressure.max()
+    assert coupled[-1].dissipated_energy == pytest.approx(uncoupled[-1].dissipated_energy, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("k", "nu", "p_percent", "q_percent", "energy_percent"),
+    [(0.3, 0.3, 7.3, 8.5, 5.5), (0.0, 0.3, 11, 13.5, 12.5), (-0.1, 0.495, 2.7, 3.5, 0.5)],
+)
+def test_coupling_is_not_small(k, nu, p_percent, q_percent, energy_percent):
+    """Difference to the closed forms at Q_A, as finite elements and another boundary-element solver have it."""
+    exact = CylinderContact(solid_of(k, nu), R, P).fretting(MU, Q_A)
+    states = loop(k, nu)
+    state = states[1]
+    assert 100 * error(state, state.pressure, exact.contact.pressure(state.x)) == pytest.approx(p_percent, abs=0.2)
+    assert 100 * error(state, state.traction, exact.amplitude.traction(state.x)) == pytest.approx(q_percent, abs=0.2)
+    energy = states[-1].dissipated_energy - states[1].dissipated_energy
+    assert 100 * (1 - energy / exact.dissipated_energy) == pytest.approx(energy_percent, abs=0.7)
+
+
+def test_goodman_limit_of_friction_from_first_contact():
+    """k = 0, small mu and nearly incompressible: the stick zone of Goodman and Spence, K'(c/a)/K(c/a) = beta/mu.
+
+    beta = (1-2nu)/(2-2nu). Increments of constant ratio have an error of first order, which is extrapolated.
+    """
+    nu, mu = 0.49, 0.02
+    beta = (1 - 2 * nu) / (2 - 2 * nu)
+    expected = brentq(lambda m: ellipkm1(m**2) / ellipk(m**2) - beta / mu, 0.01, 0.99, xtol=1e-12)
+    ratio = []
+    for increments in (10, 20, 40):
+        solver = HalfPlaneContact(solid_of(0.0, nu), PROFILE, mu, friction_in_normal_stage=True, nodes=150)
+        state = solver.run([(load, 0.0) for load in np.geomspace(0.02, P, increments)])[-1]
+        assert state.stick[0] == pytest.approx(-state.stick[1], rel=1e-3)
+        ratio.append(state.stick[1] / state.contact[1])
+    first = [2 * fine - coarse for coarse, fine in zip(ratio, ratio[1:], strict=False)]
+    assert (4 * first[1] - first[0]) / 3 == pytest.approx(expected, rel=2e-3)
+
+
+# -- conditions, balances, invariances ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("k", [-0.3, 0.3])
+def test_conditions_of_contact_and_friction(k):
+    before = None
+    for state in loop(k):
+        peak = state.pressure.max()
+        assert state.pressure.min() >= 0 and state.gap.min() > -1e-12
+        assert np.all(state.pressure * state.gap == 0)
+        assert np.all(np.abs(state.traction) <= MU * state.pressure + 1e-11 * peak)
+        assert state.weight @ state.pressure == pytest.approx(state.P, rel=1e-12)
+        assert state.weight @ state.traction == pytest.approx(state.Q, abs=1e-5 * MU * P)
+        if before and before.Q != 0:
+            slipping = (state.pressure > 0) & (np.abs(state.traction) >= MU * state.pressure * (1 - 1e-12))
+            step = state.slip - CubicSpline(before.x, before.slip)(np.clip(state.x, before.x[0], before.x[-1]))
+            assert np.all((state.traction * step)[slipping] < 1e-6 * peak)
+            assert np.abs(step[(state.pressure > 0) & ~slipping]).max() < 1e-3 * np.abs(step[slipping]).max()
+        before = state
+
+
+def test_loads_are_checked():
+    solver = HalfPlaneContact(solid_of(0.3), PROFILE, MU, nodes=100)
+    for loads in ([(0.0, 0.0)], [(P, 0.1)], [(P, 0.0), (P, MU * P)], [(P, 0.0), (P, np.nan)]):
+        with pytest.raises(ValueError):
+            solver.run(loads)
+
+
+def test_what_does_not_converge_raises(monkeypatch):
+    monkeypatch.setattr("analytic.half_plane_increment.MAX_ITERATIONS", 1)
+    with pytest.raises(ContactNotConverged, match="between"):
+        HalfPlaneContact(solid_of(0.3), PROFILE, MU, nodes=100).run([(P, 0.0)])
+
+
+def test_energy_balance_of_the_steady_loop():
+    """Work of the loads over the second cycle is the dissipated energy, up to the rule over the increments."""
+    difference = []
+    for increments in (12, 24):
+        states = loop(0.3, increments=increments, cycles=2, nodes=150)[-increments - 1 :]
+        work = sum((b.Q + a.Q) / 2 * (b.delta_x - a.delta_x) for a, b in zip(states, states[1:], strict=False))
+        dissipated = states[-1].dissipated_energy - states[0].dissipated_energy
+        difference.append(work / dissipated - 1)
+    assert abs(difference[1]) < 0.015
+    assert abs((4 * difference[1] - difference[0]) / 3) < 1.5e-3
+
+
+def test_result_does_not_depend_on_units():
+    states, others = loop(0.3, nodes=150), loop(0.3, nodes=150, scale=1e-4)
+    for state, other in zip(states, others, strict=True):
+        assert 1e4 * np.array(other.contact) == pytest.approx(np.array(state.contact), rel=1e-8)
+    assert 1e8 * others[-1].dissipated_energy == pytest.approx(states[-1].dissipated_energy, rel=1e-8)
+
+
+def test_convergence_in_nodes():
+    """Coupled edges and energy of the loop against the finest nodes: at least first order per doubling."""
+    coarse, middle, fine = (loop(0.0, nodes=nodes) for nodes in (100, 200, 400))
+    for states, tolerance in ((coarse, 1e-3), (middle, 5e-4)):
+        assert states[1].contact == pytest.approx(fine[1].contact, rel=tolerance)
+        assert states[1].stick == pytest.approx(fine[1].stick, rel=tolerance)
+        assert states[-1].dissipated_energy == pytest.approx(fine[-1].dissipated_energy, rel=tolerance)
+
+
+def test_convergence_in_increments():
+    """Coupled energy of the loop: errors fall at least linearly, as the path between loads does matter."""
+    energies = []
+    for increments in (4, 8, 16):
+        states = loop(0.0, increments=increments)
+        energies.append(states[-1].dissipated_energy - states[1].dissipated_energy)
+    steps = np.abs(np.diff(energies)) / energies[-1]
+    assert steps[1] < 0.5 * steps[0] < 5e-3
+
+
+@pytest.mark.slow
+def test_time_of_one_loop():
+    """Forty increments with coupling take a few seconds; the limit leaves room for a busy machine."""
+    from time import perf_counter
+
+    start = perf_counter()
+    loop(0.3, increments=40)
+    assert perf_counter() - start < 20

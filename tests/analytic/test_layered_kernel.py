@@ -1,0 +1,96 @@
+"""Kernels of any depth profile: the power law recovered, a coating per wavenumber and in contact."""
+
+import numpy as np
+import pytest
+
+from analytic import CylinderContact, GradedHalfPlane, PowerProfile
+from analytic.half_plane import HalfPlaneContact
+from analytic.half_plane_interpolation import Edges, adapted
+from analytic.half_plane_operator import SurfaceOperator
+from analytic.layered_kernel import LayeredKernel, surface_compliance
+from analytic.surface_kernel import PowerLawKernel
+
+PROFILE, MU = PowerProfile(0.5, 2.0), 0.3
+
+
+@pytest.mark.parametrize("k", [-0.5, -0.1, 0.0, 0.3, 0.8])
+@pytest.mark.parametrize("nu", [0.0, 0.3, 0.5])
+def test_power_law_is_recovered(k, nu):
+    """The depth equations give [X6] at every wavenumber; nothing in them knows of it."""
+    solid = GradedHalfPlane(2.0, nu, k, 0.7)
+    for omega in (1e-2, 1.0, 1e3):
+        C = PowerLawKernel(solid).compliance(omega)
+        expected = np.array([C[0].real, C[1].real, C[2].imag])
+        computed = surface_compliance(solid.modulus, nu, omega, np.inf, k)
+        assert computed == pytest.approx(expected, abs=1e-8 * expected[0] / 100)
+
+
+def coating(E, k=0.0, thickness=1.0, nu=0.3):
+    """E(y) within the thickness on a substrate of modulus 1."""
+    def modulus(y):
+        return E(y) if y <= thickness else 1.0
+
+    surface = GradedHalfPlane(E(1e-9) * (1e9**k if k else 1.0), nu, k, 1.0)
+    return LayeredKernel(modulus, surface, thickness, min(1e-3, thickness / 10), 30.0)
+
+
+COATINGS = {
+    "homogeneous": coating(lambda y: 3.0),
+    "exponential": coating(lambda y: 3.0 * np.exp(-y * np.log(3.0))),
+    "linear": coating(lambda y: 1 + 2 * (1 - y)),
+    "tabulated": coating(lambda y: np.interp(y, [0, 0.3, 1], [2.0, 3.0, 1.0])),
+    "power law": coating(lambda y: y**0.3, 0.3),
+}
+
+
+@pytest.mark.parametrize("name", COATINGS)
+def test_surface_displacement_of_a_smooth_traction(name):
+    """Sources against the inverse Fourier transform of the compliance."""
+    kernel = COATINGS[name]
+    nodes = np.linspace(-6, 6, 301)
+    half, shift, width = 150, 40, 0.5
+    bell = np.exp(-((nodes / width) ** 2) / 2)
+    smooth = adapted(nodes, Edges.of_zones([[-99, 99]]), Edges.of_zones([]), 0.5, 1.0)
+    u_x, u_y = SurfaceOperator.on(kernel, nodes, smooth, smooth).displacement(0 * bell, bell)[::-1]
+    x = nodes[half + shift]
+
+    def integrand(t):
+        omega = np.exp(t)
+        C = surface_compliance(kernel.modulus, 0.3, omega, kernel.depth, kernel.k, (kernel.depth,))
+        envelope = width * np.exp(-((omega * width) ** 2) / 2) * omega * np.sqrt(2 / np.pi)
+        return envelope * np.array([C[0] * (np.cos(omega * x) - 1), C[2] * np.sin(omega * x)])
+
+    t = np.linspace(np.log(1e-5), np.log(12 / width), 501)
+    values = np.array([integrand(ti) for ti in t])
+    C_xx, C_xy = (t[1] - t[0]) * (values.sum(axis=0) - (values[0] + values[-1]) / 2)
+    # u of a tangential traction: u_x even, u_y = -D * q odd, and D is minus the sine transform of Im C_xy
+    assert u_y[half + shift] - u_y[half] == pytest.approx(C_xx, rel=2e-5)
+    assert u_x[half + shift] == pytest.approx(C_xy, rel=2e-5, abs=2e-5 * abs(C_xx))
+
+
+def test_contact_on_the_power_law_as_any_other_profile():
+    solid = GradedHalfPlane(1.0, 0.3, 0.3, 1.0)
+    kernel = LayeredKernel(solid.modulus, solid, np.inf, 1e-3, 30.0)
+    loads = [(1.0, 0.0), (1.0, 0.27)]
+    states, expected = (HalfPlaneContact(body, PROFILE, MU, nodes=150).run(loads) for body in (kernel, solid))
+    assert states[-1].contact == pytest.approx(expected[-1].contact, rel=1e-8)
+    assert states[-1].stick == pytest.approx(expected[-1].stick, rel=1e-7)
+
+
+def test_coating_between_its_limits():
+    """Thick: the coating alone; thin: the substrate alone; in between the contact widens."""
+    widths = []
+    for thickness in (300.0, 3.0, 1.0, 0.3, 0.001):
+        kernel = coating(lambda y: 3.0, thickness=thickness)
+        state = HalfPlaneContact(kernel, PROFILE, MU, coupling=False, nodes=100).run([(1.0, 0.0)])[0]
+        widths.append(state.contact[1])
+    thick, thin = (CylinderContact(GradedHalfPlane(E, 0.3, 0.0, 1.0), 1.0, 1.0).a for E in (3.0, 1.0))
+    assert widths[0] == pytest.approx(thick, rel=1e-3)
+    assert widths[-1] == pytest.approx(thin, rel=3e-3)
+    assert np.all(np.diff(widths) > 0)
+
+
+def test_wrong_behaviour_at_the_surface_is_found():
+    kernel = LayeredKernel(lambda y: 3.0 if y < 1 else 1.0, GradedHalfPlane(2.0, 0.3, 0.0, 1.0), 1.0, 1e-3, 30.0)
+    with pytest.raises(ValueError, match="at the surface"):
+        kernel.values(np.array([1.0]))
