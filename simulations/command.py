@@ -58,15 +58,14 @@ def read_request(arguments: list[str], program: str, description: str, default: 
 
 
 def _split_petsc(arguments):
-    """Own arguments, and PETSc's: those after one dash and a word, each with the values that follow."""
+    """Own arguments, and PETSc's: those that begin with -fretting_, each with the value that may follow it."""
     own, petsc = [], []
-    current = own
+    awaits_value = False
     for argument in arguments:
-        if argument.startswith("-fretting_"):
-            current = petsc
-        elif argument.startswith("-"):
-            current = own
-        current.append(argument)
+        is_option = argument.startswith("-fretting_")
+        is_value = awaits_value and not argument.startswith("--") and not argument.endswith(".toml")
+        (petsc if is_option or is_value else own).append(argument)
+        awaits_value = is_option
     return own, tuple(petsc)
 
 

@@ -11,6 +11,7 @@ The contact forces and their tangent are assembled from the same forms as in the
 import numpy as np
 from dolfinx import fem
 from dolfinx.fem import petsc as fem_petsc
+from mpi4py import MPI
 from petsc4py import PETSc
 from scipy.linalg import lapack
 
@@ -50,6 +51,11 @@ class Compliance:
         self._counts = self.comm.allgather(len(x))
         self.order = np.argsort(np.concatenate(self.comm.allgather(x)))
         self.n = len(self.order)
+        sorted_ids = self.collect(dofmap.index_map.local_to_global(self.surface.astype(np.int32)))
+        self.touched = nodes  # owned and ghost surface nodes, to which this rank's facets contribute
+        by_id = np.argsort(sorted_ids)
+        ids = dofmap.index_map.local_to_global(nodes.astype(np.int32))
+        self._position = by_id[np.searchsorted(sorted_ids, ids, sorter=by_id)]
         strip_nodes = np.unique(dofmap.list[body.strip_cells]) if len(body.strip_cells) else np.zeros(0, int)
         self.strip_dofs = np.stack([2 * strip_nodes, 2 * strip_nodes + 1], axis=1).ravel()
         self._columns: dict[int, np.ndarray] = {}
@@ -65,6 +71,13 @@ class Compliance:
     def collect(self, owned: np.ndarray) -> np.ndarray:
         """Rows (n, ...) sorted by x, on every rank, from those of the owned surface nodes."""
         return np.concatenate(self.comm.allgather(owned))[self.order]
+
+    def add_up(self, contributions: np.ndarray) -> np.ndarray:
+        """Rows (n, ...) sorted by x, on every rank, summed over the contributions of all ranks to ``touched`` nodes."""
+        total = np.zeros((self.n, *contributions.shape[1:]))
+        total[self._position] = contributions
+        self.comm.Allreduce(MPI.IN_PLACE, total)
+        return total
 
     def own(self, rows: np.ndarray) -> np.ndarray:
         """The inverse of ``collect``."""
@@ -140,6 +153,8 @@ class CondensedSystem:
         # Displacement of the strip beyond that of the forces: what a new load has not yet moved. The first
         # step removes it, so that the contact states it starts from are those of the fields, not of a jump.
         self._offset = np.zeros(len(compliance.strip_dofs))
+        self._has_offset = False
+        self._left = None  # the strip as ``finish`` left it, and the forces it was left with
 
     def create_vector(self) -> PETSc.Vec:
         """A vector of the unknowns."""
@@ -154,8 +169,12 @@ class CondensedSystem:
         if held is not None:
             self._held = {Y: self.compliance.collect(held[self.compliance.surface])}
             self._constant += self.compliance.column(Y) @ self._held[Y]
-        forces, body = self._contact_forces(), self.problem.body
-        self._offset = body.u.x.array[self.compliance.strip_dofs] - self._displacement(forces)
+        body = self.problem.body
+        strip = body.u.x.array[self.compliance.strip_dofs]
+        untouched = self._left is not None and np.array_equal(strip, self._left[0])
+        forces = self._left[1] if self._comm.allreduce(untouched, MPI.LAND) else self._contact_forces()
+        self._offset = strip - self._displacement(forces)
+        self._has_offset = self._comm.allreduce(bool(np.any(self._offset)), MPI.LOR)
         self._put(np.concatenate([forces, body.delta.value[self._rigid]]), x)
 
     def residual(self, x, f) -> tuple[float, float]:
@@ -166,6 +185,9 @@ class CondensedSystem:
         load = self._load[self._rigid]
         imbalance = self._sums(forces) - load
         self._put(np.concatenate([forces - contact, imbalance]), f)
+        if self._has_offset:  # what is left to balance is known only without it
+            self._show(forces, rigid, with_offset=False)
+            contact = self._contact_forces()
         # the tractions reported are the contact terms' own: these too must balance the loads
         imbalance = np.abs([imbalance, self._sums(contact) - load]).max()
         return float(np.linalg.norm(forces - contact)), float(imbalance)
@@ -173,15 +195,15 @@ class CondensedSystem:
     def linearise(self, x):
         """Assemble the contact tangent on the strip and factorise the dense system on rank 0."""
         self._show(*self._get(x))
-        compliance, n = self.compliance, self.compliance.n
-        tangent = self.problem.force_tangent().tocsr()  # minus d(contact forces)/du, local rows and columns
+        compliance = self.compliance
+        tangent = self.problem.force_tangent().tocsr()
         dofs = compliance.strip_dofs
         rows, removed = [], []
         for i in self._rigid:
-            strip = tangent[2 * compliance.surface + i][:, dofs]
+            strip = tangent[2 * compliance.touched + i][:, dofs]
             rigid = np.stack([strip[:, (dofs % 2) == j].sum(axis=1).A1 for j in self._rigid], axis=1)
-            rows.append(compliance.collect(np.hstack([strip @ self._response, -rigid])))
-            removed.append(compliance.collect(-strip @ self._offset))
+            rows.append(compliance.add_up(np.hstack([strip @ self._response, -rigid])))
+            removed.append(compliance.add_up(-strip @ self._offset))
         self._removed = np.concatenate([*removed, np.zeros(len(rows))])
         if self._comm.rank == 0:
             tangent = np.vstack(rows)
@@ -202,6 +224,7 @@ class CondensedSystem:
             right[self._loaded] = np.nan if self._singular else step
             x.array[:] = right
         self._offset[:] = 0.0
+        self._has_offset = False
 
     def multiply(self, x, y):
         """y = J x."""
@@ -219,12 +242,15 @@ class CondensedSystem:
         body.u.x.scatter_forward()
         # gamma times the last digits of u is visible in the tractions: keep those that balance the loads
         self._show(forces, rigid)
+        self._left = body.u.x.array[self.compliance.strip_dofs], forces
 
-    def _show(self, forces, rigid):
+    def _show(self, forces, rigid, with_offset=True):
         """Displacements of the strip under ``forces``, and the rigid motion, into the problem's fields."""
         body = self.problem.body
         body.delta.value[self._rigid] = rigid
-        body.u.x.array[self.compliance.strip_dofs] = self._displacement(forces) + self._offset
+        body.u.x.array[self.compliance.strip_dofs] = self._displacement(forces)
+        if with_offset:
+            body.u.x.array[self.compliance.strip_dofs] += self._offset
 
     def _displacement(self, forces):
         return self._constant + self._response @ forces

@@ -160,7 +160,8 @@ class Newton:
             return reason.DIVERGED_FNORM_NAN
         if self._balanced():
             return reason.CONVERGED_FNORM_ABS
-        if iteration > 0 and norms[1] <= STEP_TOLERANCE * norms[0] and max(force, imbalance) <= ATTAINABLE:
+        small_step = iteration > 0 and norms[1] <= STEP_TOLERANCE * norms[0]
+        if small_step and force <= ATTAINABLE and imbalance <= 10 * LOAD_TOLERANCE:
             return reason.CONVERGED_SNORM_RELATIVE
         if iteration >= snes.getTolerances()[3]:
             return reason.DIVERGED_MAX_IT

@@ -25,7 +25,7 @@ def plot_run(
     panels = 1 if loop is None else 3
     with plt.rc_context({"font.size": 10, "axes.grid": True, "grid.alpha": 0.3, "legend.fontsize": 9}):
         figure, axes = plt.subplots(1, panels, figsize=(4.7 * panels, 4.6), layout="constrained", squeeze=False)
-        figure.suptitle(title, wrap=True)
+        figure.suptitle(title, wrap=True, parse_math=False)
         _pressure(axes[0, 0], history.entries[-1], contact, theory)
         if loop is not None:
             _traction(axes[0, 1], _states(history), loop, theory)

@@ -225,10 +225,12 @@ class ContactProblem:
         matrix.assemble()
 
     def force_tangent(self):
-        """Minus d(contact forces)/du as a scipy matrix of the local dofs; ghost rows are summed into their owners."""
+        """Minus d(contact forces)/du as a scipy matrix of local (owned and ghost) dofs: this rank's facets only.
+
+        Not summed over ranks: a row of another rank has columns here that this rank does not know.
+        """
         self._strip_tangent.set_value(0.0)
         fem.assemble_matrix(self._strip_tangent, self._force_tangent)
-        self._strip_tangent.scatter_reverse()
         return self._strip_tangent.to_scipy(ghosted=True)
 
     def borders(self):
@@ -274,7 +276,7 @@ class ContactProblem:
 
     def hold_pressure(self, normal: "ContactProblem"):
         """Keep the pressure and the displacement of the normal problem as they are now."""
-        self.held_forces = normal.nodal_forces(Y)
+        self.held_forces = normal.nodal_forces(Y)  # all of them for theta = 0
         self._held_displacement.x.array[:] = self.body.u.x.array
         self._interpolate(self._held_pressure, normal._pressure)
 

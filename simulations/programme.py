@@ -84,11 +84,11 @@ class LoadProgramme:
         self.problem, self.frictional = normal, frictional
         self.body, self.mu, self._system = normal.body, mu, system
         self._friction_first = friction_first
-        self._newton = self._start(normal)
 
     def run(self, programme: list[Increment]) -> Iterator[Outcome]:
         """Yield each outcome while its state is on the half-plane; SolveError ends the run."""
         before = Increment(P=0.0)
+        self._newton = self._start(self.problem)
         for increment in programme:
             results: list[NewtonResult] = []
             if self.problem is not self.frictional and (increment.branch != "normal" or self._friction_first):
@@ -112,7 +112,7 @@ class LoadProgramme:
         self._newton = self._start(self.frictional)
 
     def _advance(self, before: Increment, after: Increment, results: list[NewtonResult], depth: int = 0) -> int:
-        """Newton; where it fails the fixed point in the pressure; where that fails two half increments.
+        """Newton; where it fails guarded Newton, then the fixed point in the pressure, then two half increments.
 
         Appends every solve to ``results`` and returns the number of halvings.
         """
@@ -136,7 +136,7 @@ class LoadProgramme:
         if depth == MAX_CUTS:
             raise SolveError(
                 f"no equilibrium between (P, Q) = ({before.P:.4g}, {before.Q:.4g}) and ({after.P:.4g}, {after.Q:.4g}) "
-                f"({after.branch}): {failed.reason}; force residual {failed.residual:.1e} P after "
+                f"({after.branch}): {failed.reason}, and at last {result.reason}; force residual {failed.residual:.1e} P after "
                 f"{failed.iterations} iterations and {depth} halvings of the increment"
             )
         middle = replace(after, P=(before.P + after.P) / 2, Q=(before.Q + after.Q) / 2, state="")

@@ -8,13 +8,13 @@ import gmsh
 import numpy as np
 from petsc4py import PETSc
 
-from . import __version__, comparison, output
+from . import __version__, comparison, output, reference
 from .fields import FieldWriter
 from .plots import plot_run
 from .scaling import Scales
 from .simulation import Simulation
 
-FILES = ("scene.toml", "history.csv", "surface.h5", "fields.xdmf", "summary.json", "fretting.png")
+FILES = ("scene.toml", "history.csv", "surface.h5", "fields.xdmf", "fields.h5", "summary.json", "fretting.png")
 
 
 def versions() -> dict[str, str]:
@@ -43,15 +43,23 @@ class Results:
         if self.comm.rank == 0:
             for name in FILES:  # of an earlier run
                 (self.folder / name).unlink(missing_ok=True)
-            output.write_text(self.folder / "scene.toml", self.simulation.scene.to_toml(versions=versions()))
+            made_with = "".join(f"# {name} {version}\n" for name, version in versions().items())
+            output.write_text(self.folder / "scene.toml", made_with + self.simulation.scene.to_toml())
         self._fields = FieldWriter(self.folder / "fields.xdmf", self.simulation.body, self.scales)
         return self
 
     def record(self, entry):
         """Keep the fields of a state that matters: the normal stage and the states A ... E."""
-        if entry.increment.branch == "normal" or entry.increment.state:
+        number = len(self.simulation.history.entries)
+        pressed = entry.increment.branch == "normal" and not self._is_pressing(number)
+        if pressed or entry.increment.state:
             with self.simulation.watch("output"):
-                self._fields.write(float(len(self.simulation.history.entries) - 1))
+                self._fields.write(float(number - 1))
+
+    def _is_pressing(self, number):
+        """True while increment ``number`` still belongs to the normal stage."""
+        programme = self.simulation.programme
+        return number < len(programme) and programme[number].branch == "normal"
 
     def __exit__(self, kind, error, trace):
         """Write what there is, after a failure too."""
@@ -61,11 +69,11 @@ class Results:
             if self.comm.rank == 0 and history.entries:
                 output.write_history(self.folder / "history.csv", history, self.scales)
                 output.write_surface(self.folder / "surface.h5", history, self.scales)
-                if kind is None:
-                    self._plot()
         if self.comm.rank == 0:
-            self.summary = self._summarise(failure=None if kind is None else f"{error}")
+            self.summary = self._summarise(failure=None if kind is None else str(error) or kind.__name__)
             output.write_summary(self.folder / "summary.json", self.summary)
+            if kind is None:
+                self._plot()
 
     def _plot(self):
         simulation, scene = self.simulation, self.simulation.scene
@@ -87,6 +95,7 @@ class Results:
             "increments": len(history.entries),
             "newton_iterations": sum(e.iterations for e in history.entries),
             "cuts": sum(e.cuts for e in history.entries),
+            "largest_residual": max((e.residual for e in history.entries), default=None),
             "dofs": simulation.body.unknowns,
             "ranks": self.comm.size,
         }
@@ -118,9 +127,21 @@ class Results:
         exact = simulation.scene.has_closed_form
         kind = "errors" if exact else "differences"
         deviations = {"reference": self._reference(), "errors": None, kind: comparison.compare(history, contact, loop)}
+        if not exact:
+            deviations |= self._errors_of_coupled_run()
         if loop and history.has_cycle:
             deviations[f"{kind}_worst_in_cycle"] = comparison.worst(history, contact, loop)
         return deviations
+
+    def _errors_of_coupled_run(self) -> dict:
+        if self.simulation.scene["reference.kind"] == "closed form":
+            return {}
+        try:
+            with self.simulation.watch("reference"):
+                states = reference.solve(self.simulation)
+            return {"reference": reference.NAME, "errors": reference.errors(self.simulation.history, states)}
+        except reference.NoReference as failure:
+            return {"reference": f"none: the {reference.NAME} failed: {failure}"}
 
     def _reference(self) -> str:
         effects, scene = self.simulation.effects, self.simulation.scene
@@ -137,7 +158,7 @@ class Results:
         contact, loop, scales = self.simulation.contact, self.simulation.loop, self.scales
         summary = self.summary
         kind, deviation = "error", summary["errors"]
-        if deviation is None:
+        if "differences" in summary:
             kind, deviation = "difference", summary["differences"]
         rows = [("contact half-width a [m]", summary["a"], contact.a * scales.length, deviation["a"])]
         if "c" in deviation:
@@ -151,5 +172,8 @@ class Results:
         for name in ("pressure", "traction", "slip"):
             if f"{name}_l2" in deviation:
                 lines.append(f"{name + ', L2 over the contact, last state':60s}{deviation[name + '_l2']:22.1e}")
+        if summary["errors"] and kind == "difference":
+            lines.append("The closed form neglects the coupling that this run has. Errors against the reference:")
+            lines += [f"{name:60s}{value:22.1e}" for name, value in summary["errors"].items()]
         lines.append(f"reference: {summary['reference']}")
         return "\n".join(lines)

@@ -67,7 +67,7 @@ class Key:
             raise SceneError(f"{name} = {value!r} is not allowed: {self.allowed}")
         if self.word and value == self.word:
             return value
-        number = isinstance(value, (int, float)) and not isinstance(value, bool)
+        number = isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) < 1e308
         if number and self.kind is int:
             number = value == int(value) if isfinite(value) else False
         above = number and (value >= self.low if self.closed[0] else value > self.low)
@@ -86,8 +86,8 @@ LANGUAGE: dict[str, Key] = {
     "solid.y0_over_a0": Key(0.0),
     "indenter.R": Key(0.0),
     "load.P": Key(0.0),
-    "load.mu": Key(0.0),
-    "load.amplitude": Key(0.0, 1.0),
+    "load.mu": Key(1e-6, 100.0, closed=(True, True)),
+    "load.amplitude": Key(1e-6, 1.0, closed=(True, False)),
     "load.cycles": Key(0, 1000, 1, int, (True, True)),  # 0: stop at +Q_A
     # what is simulated; friction is on where there is a tangential load
     "effects.friction": Key(kind=bool, default=True),
@@ -105,6 +105,8 @@ LANGUAGE: dict[str, Key] = {
     "solver.increments": Key(1, 1000, 6, int, (True, True)),  # per quarter cycle
     "solver.gamma0": Key(1e-3, 1e6, 10.0, closed=(True, True)),
     "solver.theta": Key(-1.0, 1.0, 0.0, closed=(True, True)),
+    # what a coupled run is compared with besides the closed form: "auto" is the solver that has its physics
+    "reference.kind": Key(kind=str, default="auto", choices=("auto", "closed form")),
 }
 TANGENTIAL = ("load.mu", "load.amplitude", "load.cycles")  # not in a scene without friction
 ALTERNATIVES = ("solid.y0", "solid.y0_over_a0")  # exactly one of the two
@@ -133,13 +135,6 @@ class Scene:
         """Closed form of the normal contact, (42)-(46)."""
         return CylinderContact(self.solid, R=self["indenter.R"], P=self["load.P"])
 
-    @cached_property
-    def loop(self):
-        """Closed form of the fretting loop, [X5]; None without friction."""
-        if not self["effects.friction"]:
-            return None
-        return self.contact.fretting(mu=self["load.mu"], z=1.0 - self["load.amplitude"])
-
     @property
     def is_decoupled(self) -> bool:
         """True at the Holl ratio, where normal and tangential problem do not see each other."""
@@ -150,14 +145,14 @@ class Scene:
         """True where the closed forms describe the same problem: uncoupled, by nature or by choice."""
         return self.is_decoupled or not (self["effects.friction"] and self["effects.coupling"])
 
-    def to_toml(self, **extra: dict) -> str:
-        """The resolved scene as TOML, followed by further tables (versions, for instance)."""
+    def to_toml(self) -> str:
+        """The resolved scene as TOML, which can be run again."""
         tables: dict[str, dict] = {}
         for key, value in self.values.items():
             table, _, name = key.rpartition(".")
             tables.setdefault(table, {})[name] = value
         lines = []
-        for table, entries in (tables | extra).items():
+        for table, entries in tables.items():
             lines += [f"[{table}]"] if table else []
             lines += [f"{name} = {json.dumps(value)}" for name, value in entries.items()]
         return "\n".join(lines) + "\n"
@@ -167,10 +162,11 @@ def flatten(document: dict) -> dict[str, Any]:
     """``{"solid": {"k": 0.3}}`` as ``{"solid.k": 0.3}``."""
     flat: dict[str, Any] = {}
     for name, value in document.items():
-        if isinstance(value, dict):
-            flat |= {f"{name}.{inner}": v for inner, v in value.items()}
-        else:
-            flat[name] = value
+        entries = {f"{name}.{inner}": v for inner, v in value.items()} if isinstance(value, dict) else {name: value}
+        for key, inner in entries.items():
+            if key in flat:
+                raise SceneError(f"{key} = {inner!r} is given twice")
+            flat[key] = inner
     return flat
 
 
@@ -198,9 +194,16 @@ def resolve(given: dict[str, Any]) -> Scene:
         raise SceneError(f"exactly one of {' and '.join(ALTERNATIVES)} is to be given")
     if given.get("solver.theta", 0) != 0 and given.setdefault("solver.method", "full") != "full":
         raise SceneError('solver.theta other than 0 needs solver.method = "full"')
+    if given.get("solver.theta", 0) != 0 and given.get("effects.coupling") is False:
+        raise SceneError(
+            "solver.theta other than 0 needs effects.coupling = true: the pressure held is that of theta = 0"
+        )
     if "effects.friction" not in given and not any(name in given for name in TANGENTIAL):
         given["effects.friction"] = False
     left_out = TANGENTIAL if given.get("effects.friction") is False else ()
+    for name in (*left_out, *(["effects.friction_in_normal_stage"] if left_out else [])):
+        if name in given:
+            raise SceneError(f"{name} = {given[name]!r} is not allowed beside effects.friction = false")
     if given.get("effects.friction_in_normal_stage") is True and given.get("effects.coupling") is False:
         raise SceneError("effects.friction_in_normal_stage = true needs effects.coupling = true: that is its subject")
     values: dict[str, Any] = {}
@@ -252,6 +255,7 @@ def _toml(text: str, what: str) -> dict[str, Any]:
 def _value(text: str):
     """A value as TOML reads it; a bare word is a text."""
     try:
-        return tomllib.loads(f"value = {text}")["value"]
+        document = tomllib.loads(f"value = {text}")
     except tomllib.TOMLDecodeError:
         return text
+    return document["value"] if len(document) == 1 else text

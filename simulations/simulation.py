@@ -1,6 +1,7 @@
 """From a scene to states: mesh, contact problem and load programme put together. No files."""
 
 from collections.abc import Iterator
+from functools import cached_property
 
 from analytic import CylinderContact, FrettingLoop
 from analytic.point_force import point_force_displacement
@@ -10,10 +11,10 @@ from .condensed import Compliance, CondensedSystem
 from .effects import Effects
 from .full import FullSystem
 from .history import Entry, History
-from .mesh import Grading, columns, half_plane, layers
+from .mesh import STRIP, Grading, columns, half_plane, layers
 from .observables import SurfaceSampler
 from .problem import ContactProblem, HalfPlane, Nitsche, X, Y
-from .programme import LoadProgramme, pressing, rocking
+from .programme import LoadProgramme, SolveError, pressing, rocking
 from .scaling import Scales, scaled_solid
 from .scene import Scene
 from .timing import Stopwatch
@@ -65,10 +66,9 @@ class Simulation:
             if self.effects.friction:
                 directions = (X, Y) if self.effects.coupling else (X,)
                 frictional = ContactProblem(self.body, parabola, nitsche, directions)
-        with self.watch("solve"):
-            mu = self.loop.mu if self.loop else 0.0
-            first = self.effects.friction_in_normal_stage
-            self.solver = LoadProgramme(normal, frictional, self._choose_system(), mu, first)
+        mu = self.loop.mu if self.loop else 0.0
+        first = self.effects.friction_in_normal_stage
+        self.solver = LoadProgramme(normal, frictional, self._system, mu, first)
         self.body.delta.value[Y] = 0.5  # overlap on |x| < a: where Newton starts
         self.sampler = SurfaceSampler(self.body, normal)
         self.history = History(k=scene["solid.k"], mu=mu)
@@ -90,13 +90,18 @@ class Simulation:
             if outcome is None:
                 return
             state = self.sampler.sample(self.solver.problem)
+            if state.pressure[0] > 0 or state.pressure[-1] > 0:
+                raise SolveError(f"the contact reaches the end of the strip |x| < {STRIP} a in which it is looked for")
             yield self.history.append(outcome, state, self.watch.last)
 
-    def _choose_system(self):
+    def _system(self, problem):
         if self.scene["solver.method"] == "full":
-            return FullSystem
-        compliance = Compliance(self.body)
-        return lambda problem: CondensedSystem(problem, compliance)
+            return FullSystem(problem)
+        return CondensedSystem(problem, self._compliance)
+
+    @cached_property
+    def _compliance(self):
+        return Compliance(self.body)
 
     def _far_field(self, extent):
         solid = scaled_solid(self.scene)

@@ -8,6 +8,7 @@ import pytest
 from conftest import ROOT, coarse_arguments, run_command
 from solving import coarse_simulation, deviations, solved
 
+from simulations import reference
 from simulations.indentation import DEFAULT_SCENE as INDENTATION
 from simulations.problem import X, Y
 from simulations.programme import LoadProgramme, SolveError
@@ -100,6 +101,24 @@ def test_coupling_is_as_large_as_independent_solvers_find(k, nu, pressure, tract
     assert found["pressure_l2"] == pytest.approx(pressure, abs=0.006)
     assert found["traction_l2"] == pytest.approx(traction, abs=0.006)
     assert found["dissipated_energy"] == pytest.approx(energy, abs=0.006)
+
+
+@pytest.mark.parametrize("k, nu, friction_first", [(0.3, 0.3, False), (0.0, 0.3, False), (0.3, 0.3, True)])
+def test_coupled_loops_match_the_half_plane_solver(k, nu, friction_first):
+    """No mesh, weak form or truncation is shared. The mesh is graded to the uncoupled edges, a few facets off."""
+    simulation = solved(
+        solid__k=k,
+        solid__nu=nu,
+        effects__friction_in_normal_stage=str(friction_first).lower(),
+        mesh__facet=0.025,
+        mesh__edge_facet=5e-3,
+        mesh__layer_growth=1.4,
+        mesh__first_layer=1e-3,
+        solver__increments=6,  # each sums its dissipation over increments in its own way
+    )
+    found = reference.errors(simulation.history, reference.solve(simulation))
+    for name, limit in {"pressure_l2": 2e-3, "traction_l2": 3e-3, "a": 1e-3, "dissipated_energy": 2e-3}.items():
+        assert abs(found[name]) < limit, (name, found[name])
 
 
 def test_friction_in_the_normal_stage_starts_with_locked_in_traction():

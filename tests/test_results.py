@@ -2,7 +2,6 @@
 
 import csv
 import json
-import tomllib
 
 import h5py
 import meshio
@@ -41,9 +40,8 @@ def test_standard_output_ends_with_the_table(default_run):
 
 
 def test_scene_is_resolved_and_can_be_run_again(default_run):
-    document = tomllib.loads((default_run / "scene.toml").read_text())
-    assert document.pop("versions")["dolfinx"].startswith("0.9")
-    text = (default_run / "scene.toml").read_text().split("[versions]")[0]
+    text = (default_run / "scene.toml").read_text()
+    assert "# dolfinx 0.9" in text
     scene = parse(text)
     assert set(scene.values) == set(LANGUAGE) - {"solid.y0_over_a0"}
     assert scene["solid.y0"] == pytest.approx(10 * scene.contact.a0, rel=1e-12)
@@ -119,6 +117,13 @@ def test_same_answer_on_any_number_of_ranks(runs_by_ranks, ranks):
         for name in ("x", "weight", "pressure", "traction", "slip", "P", "Q"):
             scale = np.abs(one[name][...]).max()
             assert other[name][...] == pytest.approx(one[name][...], abs=1e-7 * scale), name
+
+
+@pytest.mark.parametrize("ranks", [2, 3])
+def test_newton_sees_the_whole_tangent_on_any_number_of_ranks(runs_by_ranks, ranks):
+    """A tangent that misses entries across ranks still converges to the right state, but in more iterations."""
+    one, other = (json.loads((runs_by_ranks[n] / "summary.json").read_text())["newton_iterations"] for n in (1, ranks))
+    assert abs(other - one) <= 3
 
 
 def test_full_method_on_two_ranks(runs_by_ranks, tmp_path):
