@@ -1,17 +1,21 @@
 """Closed-form plane-strain contact and fretting of power-law graded half-planes.
 
 Numbers in brackets are the equations of Heß, Giesa, Riechert, Wilhayn, Appl. Sci. 2026, 16(1), 473;
-[X1] ... [X5] mark results beyond the paper. docs/equations.md lists where each is found and tested.
+[X1] ... [X6] mark results beyond the paper. docs/equations.md lists where each is found and tested.
 """
 
 from .abel import PunchSuperposition
 from .checks import UndefinedDisplacementError
 from .cylinder import CylinderContact
 from .fretting import FrettingLoop
+from .half_plane import HalfPlaneContact
+from .layered_kernel import LayeredKernel
 from .material import GradedHalfPlane
 from .normal import ProfileContact
 from .partial_slip import PartialSlip
+from .point_force import point_force_displacement
 from .profile import PowerProfile, Profile
+from .surface_kernel import PowerLawKernel
 from .tangential import UniformShift, from_displacement, from_traction
 from .two_bodies import GradedPair
 
@@ -20,7 +24,10 @@ __all__ = [
     "FrettingLoop",
     "GradedHalfPlane",
     "GradedPair",
+    "HalfPlaneContact",
+    "LayeredKernel",
     "PartialSlip",
+    "PowerLawKernel",
     "PowerProfile",
     "Profile",
     "ProfileContact",
@@ -29,4 +36,5 @@ __all__ = [
     "UniformShift",
     "from_displacement",
     "from_traction",
+    "point_force_displacement",
 ]

@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from analytic import PowerProfile
-from analytic.half_plane import HalfPlaneContact
+from analytic import HalfPlaneContact, PowerProfile
 from analytic.half_plane_increment import ContactNotConverged
 from analytic.half_plane_state import ContactState
 

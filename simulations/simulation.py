@@ -3,8 +3,7 @@
 from collections.abc import Iterator
 from functools import cached_property
 
-from analytic import CylinderContact, FrettingLoop
-from analytic.point_force import point_force_displacement
+from analytic import CylinderContact, FrettingLoop, point_force_displacement
 from forms.modulus import PowerLaw
 
 from .condensed import Compliance, CondensedSystem
