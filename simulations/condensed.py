@@ -15,16 +15,9 @@ from mpi4py import MPI
 from petsc4py import PETSc
 from scipy.linalg import lapack
 
-from .newton import with_defaults
+from .newton import bulk_solver
 from .problem import ContactProblem, HalfPlane, X, Y
 
-OPTIONS = {
-    "ksp_type": "preonly",
-    "pc_type": "cholesky",
-    "pc_factor_mat_solver_type": "mumps",
-    "mat_mumps_icntl_7": 6,  # QAMD ordering: beats the automatic choice on graded meshes
-    "mat_mumps_icntl_14": 60,  # working space, per cent
-}
 BLOCK = 128  # right-hand sides solved at once
 
 
@@ -34,14 +27,11 @@ class Compliance:
     Rows are the local (owned and ghost) dofs of the strip cells, columns the surface nodes sorted by x.
     """
 
-    def __init__(self, body: HalfPlane, prefix: str = "fretting_bulk_"):
+    def __init__(self, body: HalfPlane):
         self.body, self.comm = body, body.mesh.comm
         matrix = body.constrained_stiffness
         matrix.setOption(PETSc.Mat.Option.SPD, True)
-        self._ksp = PETSc.KSP().create(self.comm)
-        self._ksp.setOptionsPrefix(prefix)
-        self._ksp.setOperators(matrix)
-        with_defaults(prefix, OPTIONS, self._ksp.setFromOptions)
+        self._ksp = bulk_solver(matrix, "cholesky")
 
         dofmap = body.space.dofmap
         self._owned = dofmap.index_map.size_local

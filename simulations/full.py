@@ -10,31 +10,20 @@ solve of their own size.
 import numpy as np
 from petsc4py import PETSc
 
-from .newton import with_defaults
+from .newton import bulk_solver
 from .problem import ContactProblem
-
-OPTIONS = {
-    "ksp_type": "preonly",
-    "pc_type": "lu",
-    "pc_factor_mat_solver_type": "mumps",
-    "mat_mumps_icntl_7": 6,  # QAMD ordering: beats the automatic choice on graded meshes
-    "mat_mumps_icntl_14": 60,  # working space, per cent
-}
 
 
 class FullSystem:
     """Unknowns (u, delta); the rigid displacements are the last entries of the last rank."""
 
-    def __init__(self, problem: ContactProblem, prefix: str = "fretting_bulk_"):
+    def __init__(self, problem: ContactProblem):
         self.problem = problem
         self._rigid = list(problem.directions)
         self._comm = problem.body.mesh.comm
         self._load = (0.0, 0.0)
         self.jacobian = problem.create_matrix()
-        self._ksp = PETSc.KSP().create(self._comm)
-        self._ksp.setOptionsPrefix(prefix)
-        self._ksp.setOperators(self.jacobian)
-        with_defaults(prefix, OPTIONS, self._ksp.setFromOptions)
+        self._ksp = bulk_solver(self.jacobian, "lu")
 
     def create_vector(self) -> PETSc.Vec:
         """A vector of the unknowns."""
