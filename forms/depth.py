@@ -10,6 +10,7 @@ knows the difference.
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import ufl
 
@@ -18,19 +19,11 @@ import ufl
 class DepthMap:
     """The map ``y(s) = s^m`` from mesh depth ``s`` to physical depth ``y`` (both dimensionless).
 
-    ``m = 1`` is the identity. Works on numbers, numpy arrays and UFL expressions alike.
+    Works on numbers, numpy arrays and UFL expressions alike; m may be a UFL constant.
     """
 
-    m: float = 1.0
-
-    @classmethod
-    def regularising(cls, k: float) -> "DepthMap":
-        """The map that makes the displacement under a modulus ``y^k`` smooth: ``m = 1/(1-k)``, k > 0."""
-        return cls(1.0 / (1.0 - k)) if k > 0 else cls()
-
-    @property
-    def is_identity(self) -> bool:
-        return self.m == 1.0
+    m: Any = 1.0
+    is_identity: bool = True
 
     def y(self, s):
         """Physical depth at mesh depth ``s``."""

@@ -1,44 +1,153 @@
 """Young's modulus over depth, and what is left of it on the surface.
 
-All moduli are dimensionless: depth is measured in contact half-widths ``a`` and the modulus in
-``E(a)``, so that the power law (1) is ``E = y^k`` and carries no other constant.
+All moduli are dimensionless: depth is measured in contact half-widths ``a`` and the modulus in ``E(a)``, so that the
+power law (1) is ``E = y^k`` and carries no other constant. A modulus works on numbers, numpy arrays and UFL expressions
+alike; ``with_parameters`` gives it UFL constants in place of its numbers, so that one compiled form serves them all.
 """
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, fields, replace
+from math import inf
+from typing import Any, Protocol
+
+import numpy as np
+import ufl
+from ufl.core.expr import Expr
 
 from .depth import DepthMap
 
 
-@dataclass(frozen=True)
-class PowerLaw:
-    """``E(y) = y^k``, -1 < k < 1, equation (1)."""
+class Modulus(Protocol):
+    """What the forms and the mesh ask of E(y). ``thickness``: depth below which E is constant."""
 
-    k: float
+    thickness: Any
+
+    @property
+    def surface_factor(self) -> float:
+        """E0 of the power law E0 y^k that E follows on the surface."""
+
+    @property
+    def is_singular(self) -> bool:
+        """True where E is infinite on the surface."""
 
     def young(self, y):
-        """Young's modulus at depth ``y``; constant 1 for ``k = 0``."""
-        return 1.0 if self.k == 0 else y**self.k
+        """Young's modulus at depth ``y``."""
 
     def depth_map(self) -> DepthMap:
         """The depth coordinate in which the displacement is smooth."""
-        return DepthMap.regularising(self.k)
 
     def layer_mean(self, top, bottom):
-        """Exact mean of E over depths ``top`` to ``bottom`` (numpy arrays), top < bottom."""
-        power = 1.0 + self.k
-        return (bottom**power - top**power) / (power * (bottom - top))
+        """Exact mean of a singular E over depths ``top`` to ``bottom`` (numpy arrays), top < bottom."""
 
     def surface_moduli(self, h, depth: DepthMap):
         """Finite surface values ``(along, into)`` of the modulus for a first cell of height ``h``.
 
-        On the surface ``E`` is zero or infinite, so the traction takes ``E du/dx = along * du/dx``
-        with the exact mean of ``E`` over the cell, and ``E du/dy = into * du/ds``. In the smooth
-        depth coordinate ``E/(dy/ds)`` is the constant ``1 - k``; without it, the cell mean again.
+        On the surface the traction takes ``E du/dx = along * du/dx`` and ``E du/dy = into * du/ds``.
+        """
+
+
+class Parametric:
+    """A modulus whose dataclass fields of type Any are its parameters."""
+
+    def with_parameters(self, make: Callable[[float], Expr]):
+        """The same modulus with ``make(value)`` in place of every finite parameter."""
+        values = {f.name: getattr(self, f.name) for f in fields(self) if f.type in (Any, "Any")}
+        return replace(self, **{name: make(value) for name, value in values.items() if np.isfinite(value)})
+
+
+@dataclass(frozen=True)
+class PowerLaw(Parametric):
+    """``E = factor y^k`` down to ``thickness`` and constant below, -1 < k < 1; equation (1) where that is infinite.
+
+    sign: of k. It decides which terms there are; the value of k is a number in them.
+    """
+
+    k: Any
+    sign: int
+    factor: Any = 1.0
+    thickness: Any = inf
+
+    @classmethod
+    def of(cls, k: float, factor: float = 1.0, thickness: float = inf) -> "PowerLaw":
+        """The power law of exponent ``k``."""
+        return cls(k, (k > 0) - (k < 0), factor, thickness)
+
+    @property
+    def surface_factor(self):
+        """``factor``."""
+        return self.factor
+
+    @property
+    def is_singular(self) -> bool:
+        """True where E is infinite on the surface."""
+        return self.sign < 0
+
+    def young(self, y):
+        """Young's modulus at depth ``y``; constant for k = 0."""
+        if self.sign == 0:
+            return self.factor
+        return self.factor * up_to(self.thickness, y) ** self.k
+
+    def depth_map(self) -> DepthMap:
+        """For k > 0 the coordinate s = y^(1-k), in which the displacement is smooth; y itself for k <= 0."""
+        return DepthMap(1.0 / (1.0 - self.k), False) if self.sign > 0 else DepthMap()
+
+    def layer_mean(self, top, bottom):
+        """Exact mean of E over depths ``top`` to ``bottom`` (numpy arrays), top < bottom."""
+        power, h = 1.0 + self.k, self.thickness
+        graded = (up_to(h, bottom) ** power - up_to(h, top) ** power) / power
+        below = (bottom - up_to(h, bottom)) - (top - up_to(h, top))
+        constant = h**self.k if np.isfinite(h) else 0.0
+        return self.factor * (graded + constant * below) / (bottom - top)
+
+    def surface_moduli(self, h, depth: DepthMap):
+        """Finite surface values ``(along, into)`` for a first cell of height ``h`` in the mesh depth.
+
+        On the surface ``E`` is zero or infinite, so that the exact mean over the cell stands for it. In the smooth depth
+        coordinate ``E/(dy/ds)`` is the constant ``1 - k``; without it, the cell mean again.
         """
         k = self.k
-        if k == 0:
-            return 1.0, 1.0
+        if self.sign == 0:
+            return self.factor, self.factor
         if depth.is_identity:
-            mean = h**k / (1.0 + k)
+            mean = self.factor * h**k / (1.0 + k)
             return mean, mean
-        return (1.0 - k) * h ** (k / (1.0 - k)), 1.0 - k
+        return self.factor * (1.0 - k) * h ** (k / (1.0 - k)), self.factor * (1.0 - k)
+
+
+@dataclass(frozen=True)
+class Coating(Parametric):
+    """E from ``surface`` to ``substrate`` over ``thickness``, constant below; linear, or exponential where asked."""
+
+    surface: Any
+    substrate: Any
+    thickness: Any
+    exponential: bool = False
+    is_singular = False
+
+    @property
+    def surface_factor(self):
+        """``surface``: k = 0 there."""
+        return self.surface
+
+    def young(self, y):
+        """Young's modulus at depth ``y``."""
+        share = up_to(self.thickness, y) / self.thickness
+        if self.exponential:
+            return self.surface * (self.substrate / self.surface) ** share
+        return self.surface + (self.substrate - self.surface) * share
+
+    def depth_map(self) -> DepthMap:
+        """The depth itself: E is finite on the surface."""
+        return DepthMap()
+
+    def surface_moduli(self, h, depth: DepthMap):
+        """E on the surface, twice."""
+        return self.surface, self.surface
+
+
+def up_to(limit, y):
+    """min(y, limit)."""
+    if isinstance(y, Expr):
+        return ufl.min_value(y, limit) if isinstance(limit, Expr) else y
+    return np.minimum(y, limit)

@@ -16,7 +16,8 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from .programme import SolveError
-from .scene import Scene, SceneError, parse
+from .language import SceneError
+from .scene import Scene, parse
 
 T = TypeVar("T")
 comm = MPI.COMM_WORLD

@@ -1,10 +1,9 @@
-"""A run beside the closed forms: relative errors where they describe the same problem, differences otherwise."""
+"""A run beside a reference: relative errors where it has the same physics, differences otherwise."""
 
 import numpy as np
 
-from analytic import CylinderContact, FrettingLoop
-
 from .history import Entry, History
+from .reference import Reference, all_states
 
 
 def relative_l2(weight, computed, exact) -> float:
@@ -13,31 +12,33 @@ def relative_l2(weight, computed, exact) -> float:
     return float(np.sqrt(weight @ (computed - exact) ** 2 / norm)) if norm > 0 else float("nan")
 
 
-def compare_state(entry: Entry, contact: CylinderContact, loop: FrettingLoop | None) -> dict[str, float]:
-    """Relative L2 deviations over the contact of one state from the closed forms (44), [X5]."""
-    increment, surface = entry.increment, entry.surface
+def compare_state(entry: Entry, reference: Reference) -> dict[str, float]:
+    """Relative L2 deviations of one state's pressure, traction and slip, the last over the contact."""
+    surface = entry.surface
     x, weight = surface.x, surface.weight
-    under = weight * (np.abs(x) <= contact.a)
-    deviation = {"pressure_l2": relative_l2(weight, surface.pressure, contact.pressure(x))}
-    if increment.branch != "normal":
-        state = {"Q": increment.Q, "branch": increment.branch}
-        deviation["traction_l2"] = relative_l2(weight, surface.traction, loop.traction(x, **state))
-        deviation["slip_l2"] = relative_l2(under, entry.slip, -loop.slip(x, **state))
+    deviation = {"pressure_l2": relative_l2(weight, surface.pressure, reference.pressure(entry, x))}
+    if entry.increment.branch != "normal":
+        left, right = reference.contact(entry)
+        under = weight * ((x >= left) & (x <= right))
+        deviation["traction_l2"] = relative_l2(weight, surface.traction, reference.traction(entry, x))
+        deviation["slip_l2"] = relative_l2(under, entry.slip, reference.slip(entry, x))
     return deviation
 
 
-def compare(history: History, contact: CylinderContact, loop: FrettingLoop | None) -> dict[str, float]:
+def compare(history: History, reference: Reference) -> dict[str, float]:
     """Deviations of a run: fields, a and c at its last state, energy of its last cycle (signed where scalar)."""
     last = history.entries[-1]
-    deviation = compare_state(last, contact, loop) | {"a": last.a / contact.a - 1}
-    if loop is not None:
-        deviation["c"] = last.c / loop.c - 1
-        if history.has_cycle:
-            deviation["dissipated_energy"] = history.dissipated_per_cycle / loop.dissipated_energy - 1
+    left, right = reference.contact(last)
+    deviation = compare_state(last, reference) | {"a": last.a / ((right - left) / 2) - 1}
+    if last.increment.branch != "normal":
+        deviation["c"] = last.c / reference.stick_half_width(last) - 1
+        energy = reference.dissipated_energy()
+        if energy:
+            deviation["dissipated_energy"] = history.dissipated_energy / energy - 1
     return deviation
 
 
-def worst(history: History, contact: CylinderContact, loop: FrettingLoop) -> dict[str, float]:
+def worst(history: History, reference: Reference) -> dict[str, float]:
     """The largest field deviations over every state of the last cycle."""
-    states = [compare_state(entry, contact, loop) for entry in history.last_cycle]
+    states = [compare_state(entry, reference) for entry in all_states(history)]
     return {name: float(np.nanmax([state[name] for state in states])) for name in states[0]}

@@ -30,24 +30,24 @@ class Compliance:
     def __init__(self, body: HalfPlane):
         self.body, self.comm = body, body.mesh.comm
         matrix = body.constrained_stiffness
-        matrix.setOption(PETSc.Mat.Option.SPD, True)
+        matrix.setOption(PETSc.Mat.Option.SPD, not body.mixed)
         self._ksp = bulk_solver(matrix, "cholesky")
 
-        dofmap = body.space.dofmap
-        self._owned = dofmap.index_map.size_local
-        nodes = fem.locate_dofs_topological(body.space, 1, body.strip)
-        self.surface = nodes[nodes < self._owned]  # owned surface nodes
-        x = body.space.tabulate_dof_coordinates()[self.surface, 0]
+        nodes = fem.locate_dofs_topological(body.displacements, 1, body.strip)
+        index_map = body.displacements.dofmap.index_map
+        self.surface = nodes[nodes < body.owned_nodes]  # owned surface nodes
+        x = body.displacements.tabulate_dof_coordinates()[self.surface, 0]
         self._counts = self.comm.allgather(len(x))
         self.order = np.argsort(np.concatenate(self.comm.allgather(x)))
         self.n = len(self.order)
-        sorted_ids = self.collect(dofmap.index_map.local_to_global(self.surface.astype(np.int32)))
+        sorted_ids = self.collect(index_map.local_to_global(self.surface.astype(np.int32)))
         self.touched = nodes  # owned and ghost surface nodes, to which this rank's facets contribute
         by_id = np.argsort(sorted_ids)
-        ids = dofmap.index_map.local_to_global(nodes.astype(np.int32))
+        ids = index_map.local_to_global(nodes.astype(np.int32))
         self._position = by_id[np.searchsorted(sorted_ids, ids, sorter=by_id)]
-        strip_nodes = np.unique(dofmap.list[body.strip_cells]) if len(body.strip_cells) else np.zeros(0, int)
-        self.strip_dofs = np.stack([2 * strip_nodes, 2 * strip_nodes + 1], axis=1).ravel()
+        blocks = np.unique(body.space.dofmap.list[body.strip_cells]).astype(int)
+        size = body.space.dofmap.index_map_bs
+        self.strip_dofs = (size * blocks[:, None] + np.arange(size)).ravel()
         self._columns: dict[int, np.ndarray] = {}
         self._field = fem.Function(body.space)
         self.far = np.stack([self._far_response(i) for i in (X, Y)], axis=1)
@@ -83,7 +83,7 @@ class Compliance:
         self.body.stiffness.mult(self.body.far_value.x.petsc_vec, b)
         b.scale(-1.0)
         for direction, values in forces.items():
-            b.array[2 * self.surface + direction] += self.own(values)
+            b.array[self.body.dofs[self.surface, direction]] += self.own(values)
         fem_petsc.set_bc(b, self.body.boundary_conditions)
         x = b.duplicate()
         self._ksp.solve(b, x)
@@ -113,7 +113,7 @@ class Compliance:
             b.setUp()
             mine = np.flatnonzero(rank_of[chosen] == self.comm.rank)
             local = b.getDenseArray()
-            local[2 * self.surface[chosen[mine] - first] + direction, mine] = 1.0
+            local[self.body.dofs[self.surface[chosen[mine] - first], direction], mine] = 1.0
             local[fixed[fixed < rows]] = 0.0
             b.assemble()
             x = b.duplicate()
@@ -160,7 +160,7 @@ class CondensedSystem:
             self._held = {Y: self.compliance.collect(held[self.compliance.surface])}
             self._constant += self.compliance.column(Y) @ self._held[Y]
         body = self.problem.body
-        strip = body.u.x.array[self.compliance.strip_dofs]
+        strip = body.state.x.array[self.compliance.strip_dofs]
         untouched = self._left is not None and np.array_equal(strip, self._left[0])
         forces = self._left[1] if self._comm.allreduce(untouched, MPI.LAND) else self._contact_forces()
         self._offset = strip - self._displacement(forces)
@@ -185,13 +185,13 @@ class CondensedSystem:
     def linearise(self, x):
         """Assemble the contact tangent on the strip and factorise the dense system on rank 0."""
         self._show(*self._get(x))
-        compliance = self.compliance
+        compliance, body = self.compliance, self.problem.body
         tangent = self.problem.force_tangent().tocsr()
         dofs = compliance.strip_dofs
         rows, removed = [], []
         for i in self._rigid:
-            strip = tangent[2 * compliance.touched + i][:, dofs]
-            rigid = np.stack([strip[:, (dofs % 2) == j].sum(axis=1).A1 for j in self._rigid], axis=1)
+            strip = tangent[body.dofs[compliance.touched, i]][:, dofs]
+            rigid = strip @ np.stack([body.translations[j].x.array[dofs] for j in self._rigid], axis=1)
             rows.append(compliance.add_up(np.hstack([strip @ self._response, -rigid])))
             removed.append(compliance.add_up(-strip @ self._offset))
         self._removed = np.concatenate([*removed, np.zeros(len(rows))])
@@ -228,19 +228,19 @@ class CondensedSystem:
         body = self.problem.body
         body.delta.value[self._rigid] = rigid
         displacement = self.compliance.displacement(self._load, by_direction | self._held)
-        body.u.x.array[: len(displacement)] = displacement
-        body.u.x.scatter_forward()
+        body.state.x.array[: len(displacement)] = displacement
+        body.state.x.scatter_forward()
         # gamma times the last digits of u is visible in the tractions: keep those that balance the loads
         self._show(forces, rigid)
-        self._left = body.u.x.array[self.compliance.strip_dofs], forces
+        self._left = body.state.x.array[self.compliance.strip_dofs], forces
 
     def _show(self, forces, rigid, with_offset=True):
         """Displacements of the strip under ``forces``, and the rigid motion, into the problem's fields."""
         body = self.problem.body
         body.delta.value[self._rigid] = rigid
-        body.u.x.array[self.compliance.strip_dofs] = self._displacement(forces)
+        body.state.x.array[self.compliance.strip_dofs] = self._displacement(forces)
         if with_offset:
-            body.u.x.array[self.compliance.strip_dofs] += self._offset
+            body.state.x.array[self.compliance.strip_dofs] += self._offset
 
     def _displacement(self, forces):
         return self._constant + self._response @ forces

@@ -1,98 +1,152 @@
-"""Which physical effects a scene calls for, and why. One entry an effect; everything else asks here."""
+"""Which physical effects a scene calls for, and why. One entry an effect; everything else asks here.
 
-from dataclasses import dataclass
+To add an effect, write its integrand in ``forms/`` and an entry in ALL: the keys it adds to the scene language, when it is
+on, and the term that it adds to the virtual work.
+"""
 
-from .scene import Scene
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from .language import Key, SceneError
+
+if TYPE_CHECKING:
+    from .scene import Scene
+
+LOCKING = 0.49  # Poisson's ratio above which plain displacements lose to the mixed form, measured (docs/incompressible.md)
 
 
 @dataclass(frozen=True)
-class Effect:
-    """One effect: whether it is on, why, and what it adds to the problem or what is left out without it."""
+class Verdict:
+    """Whether an effect is on, why, and what it adds to the problem or what is left out without it."""
 
-    name: str
     on: bool
     why: str
     consequence: str
 
-    def __str__(self):
-        return f"{self.name:26s} {'on ' if self.on else 'off'}  {self.why}: {self.consequence}"
+
+@dataclass(frozen=True)
+class Effect:
+    """One effect: its verdict on a scene, its keys in the scene language, and its term in the forms.
+
+    work: function of scene and scales that returns the term of the virtual work, itself a function
+    ``(body, v) -> form`` linear in ``body.u``; None where the effect is built into the contact problem.
+    """
+
+    name: str
+    judge: Callable[[Scene], Verdict]
+    keys: Mapping[str, Key] = field(default_factory=dict)
+    work: Callable | None = None
 
 
 class Effects:
-    """The effects of a scene, by name:  ``effects.friction``, ``effects.coupling`` ..."""
+    """The effects of a scene, by name:  ``"friction" in effects``; ``verdicts`` has all of them."""
 
     def __init__(self, scene: Scene):
-        self.listed = [effect(scene) for effect in ALL]
-        self._on = {effect.name: effect.on for effect in self.listed}
+        self.verdicts = {effect.name: effect.judge(scene) for effect in ALL}
 
-    @property
-    def grading(self) -> bool:
-        """The modulus varies with depth."""
-        return self._on["grading"]
+    def __contains__(self, name: str) -> bool:
+        return self.verdicts[name].on
 
-    @property
-    def friction(self) -> bool:
-        """There is a tangential problem."""
-        return self._on["friction"]
+    def works(self, scene: Scene, scales) -> list[Callable]:
+        """Terms that effects add to the virtual work of the body."""
+        return [effect.work(scene, scales) for effect in ALL if effect.work and effect.name in self]
 
-    @property
-    def coupling(self) -> bool:
-        """Normal and tangential tractions see each other's displacements."""
-        return self._on["coupling"]
-
-    @property
-    def friction_in_normal_stage(self) -> bool:
-        """Points may stick while the cylinder is pressed on."""
-        return self._on["friction in normal stage"]
-
-    @property
-    def symmetry(self) -> bool:
-        """Half of the problem tells the whole."""
-        return self._on["symmetry"]
+    def __str__(self):
+        return "\n".join(
+            f"{name:26s} {'on ' if verdict.on else 'off'}  {verdict.why}: {verdict.consequence}"
+            for name, verdict in self.verdicts.items()
+        )
 
 
-def grading(scene: Scene) -> Effect:
-    """E varies with depth where k is not 0."""
-    k = scene["solid.k"]
+def keys() -> dict[str, Key]:
+    """Keys of all effects."""
+    return {name: key for effect in ALL for name, key in effect.keys.items()}
+
+
+def grading(scene: Scene) -> Verdict:
+    """E varies with depth unless it is homogeneous."""
+    if not scene["effects.grading"]:
+        return Verdict(False, "effects.grading = false", f"E = E0 = {scene['solid.E0']:g} everywhere")
+    kind, k = scene["solid.modulus"], scene.k
+    if kind in ("exponential", "linear"):
+        return Verdict(True, f"{kind} coating", "E varies down to its thickness, layers in y")
     if k == 0:
-        return Effect("grading", False, "k = 0", "constant modulus, mesh in depth y")
+        return Verdict(False, "k = 0" if kind != "homogeneous" else kind, "constant modulus, mesh in depth y")
     layers = "layers in s = y^(1-k), where u is smooth" if k > 0 else "modulus infinite on the surface, layers in y"
-    return Effect("grading", True, f"k = {k:g}", layers)
+    return Verdict(True, f"{kind}, k = {k:g}", layers)
 
 
-def friction(scene: Scene) -> Effect:
+def friction(scene: Scene) -> Verdict:
     """A tangential load calls for friction."""
-    if not scene["effects.friction"]:
-        left_out = "no tangential unknown, term or result"
-        return Effect("friction", False, "no tangential load", left_out)
-    amplitude = f"mu = {scene['load.mu']:g}, Q_A = {scene['load.amplitude']:g} mu P"
-    return Effect("friction", True, amplitude, "tangential contact terms, delta_x, memory of slip")
+    if not scene.friction:
+        return Verdict(False, "no tangential load", "no tangential unknown, term or result")
+    load = f"Q_A = {scene['load.amplitude']:g} mu P" if scene.is_loop else "load.points"
+    terms = "tangential contact terms, delta_x, memory of slip"
+    return Verdict(True, f"mu = {scene['load.mu']:g}, {load}", terms)
 
 
-def symmetry(scene: Scene) -> Effect:
+def symmetry(scene: Scene) -> Verdict:
     """Without a tangential load the halves are mirror images."""
-    if scene["effects.friction"]:
-        return Effect("symmetry", False, "the tangential load breaks it", "both halves are meshed")
-    return Effect("symmetry", True, "only the normal load", "the half x > 0 is meshed")
+    wanted = scene["effects.symmetry"]
+    if scene.friction:
+        if wanted is True:
+            raise SceneError("effects.symmetry = true is not allowed: the tangential load breaks it")
+        return Verdict(False, "the tangential load breaks it", "both halves are meshed")
+    if wanted is False:
+        return Verdict(False, "effects.symmetry = false", "both halves are meshed")
+    return Verdict(True, "only the normal load", "the half x > 0 is meshed")
 
 
-def coupling(scene: Scene) -> Effect:
+def coupling(scene: Scene) -> Verdict:
     """Pressure moves the surface sideways and traction moves it up and down, except at the Holl ratio."""
-    if not scene["effects.friction"]:
-        return Effect("coupling", False, "no tangential load", "nothing to couple")
+    if not scene.friction:
+        return Verdict(False, "no tangential load", "nothing to couple")
     if not scene["effects.coupling"]:
-        held = "the pressure of the normal stage stays and limits the traction, as in the closed forms"
-        return Effect("coupling", False, "effects.coupling = false", held)
+        held = "the frictionless pressure limits the traction and does not feel it, as in the closed forms"
+        return Verdict(False, "effects.coupling = false", held)
     why = "effects.coupling = true" + (", though at the Holl ratio it vanishes" if scene.is_decoupled else "")
-    return Effect("coupling", True, why, "pressure and traction in one system")
+    return Verdict(True, why, "pressure and traction in one system")
 
 
-def friction_in_normal_stage(scene: Scene) -> Effect:
+def friction_in_normal_stage(scene: Scene) -> Verdict:
     """Friction from first contact on, or only once the tangential load starts."""
-    if not (scene["effects.friction"] and scene["effects.friction_in_normal_stage"]):
-        return Effect("friction in normal stage", False, "the paper's case", "pressed on without friction")
+    if not (scene.friction and scene["effects.friction_in_normal_stage"]):
+        return Verdict(False, "the paper's case", "pressed on without friction")
+    if not scene["effects.coupling"]:
+        raise SceneError("effects.friction_in_normal_stage = true needs effects.coupling = true: that is its subject")
     steps = f"P in {scene['solver.normal_increments']} increments"
-    return Effect("friction in normal stage", True, "effects.friction_in_normal_stage = true", steps)
+    return Verdict(True, "effects.friction_in_normal_stage = true", steps)
 
 
-ALL = (grading, friction, symmetry, coupling, friction_in_normal_stage)
+def incompressibility(scene: Scene) -> Verdict:
+    """Near nu = 1/2 plain displacements lock."""
+    wanted, nu = scene["effects.incompressibility"], scene["solid.nu"]
+    if wanted is False and nu == 0.5:
+        raise SceneError("effects.incompressibility = false is not allowed at nu = 1/2: lambda is infinite")
+    if wanted is True and nu <= 0:
+        raise SceneError(f"effects.incompressibility = true is not allowed at nu = {nu:g}: lambda is not positive")
+    on = nu > LOCKING if wanted == "auto" else wanted
+    why = f"nu = {nu:.4g}" if wanted == "auto" else f"effects.incompressibility = {str(wanted).lower()}"
+    return Verdict(on, why, "displacements and mean stress" if on else "displacements alone")
+
+
+TRUTH = Key(kind=bool, default=True)
+ALL = (
+    Effect("grading", grading, {"effects.grading": TRUTH}),
+    Effect("friction", friction, {"effects.friction": TRUTH}),
+    Effect("symmetry", symmetry, {"effects.symmetry": Key(kind=bool, default="auto", word="auto")}),
+    Effect("coupling", coupling, {"effects.coupling": TRUTH}),
+    Effect(
+        "friction in normal stage",
+        friction_in_normal_stage,
+        {"effects.friction_in_normal_stage": Key(kind=bool, default=False)},
+    ),
+    Effect(
+        "incompressibility",
+        incompressibility,
+        {"effects.incompressibility": Key(kind=bool, default="auto", word="auto")},
+    ),
+)

@@ -10,7 +10,7 @@ from dolfinx import fem
 
 from forms import elasticity
 
-from .problem import HalfPlane
+from .body import HalfPlane
 from .scaling import Scales
 
 
@@ -37,7 +37,7 @@ class FieldWriter:
 
     def write(self, time: float):
         """Append the present state at ``time`` (the number of the increment)."""
-        self._displacement.interpolate(self.body.u)
+        self._displacement.interpolate(self.body.displacement())
         self._stress.interpolate(self._stress_expression)
         u = self._gather_owned(self._displacement) * self.scales.displacement
         stress = self._gather_owned(self._stress) * self.scales.stress
@@ -53,9 +53,7 @@ class FieldWriter:
                 self._writer.__exit__()
 
     def _stresses(self):
-        body, s = self.body, self.body.position[1]
-        gradient = body.depth.gradient(body.u, s)
-        sigma = elasticity.stress(body.modulus.young(body.depth.y(s)) * gradient, body.nu)
+        body, sigma = self.body, self.body.stress()
         return ufl.as_vector([sigma[0, 0], sigma[1, 1], sigma[0, 1], elasticity.von_mises(sigma, body.nu)])
 
     def _gather_owned(self, field):

@@ -32,9 +32,10 @@ def main(arguments: list[str], program: str = "simulations.fretting", descriptio
 def describe(entry, simulation: Simulation) -> str:
     """One line of progress."""
     increment = entry.increment
-    load = f"P = {increment.P / simulation.contact.P:.3f} P_max   a = {entry.a:.4f} a_theory"
+    load = f"P = {increment.P:.3f} P_max   a = {entry.a * simulation.scaled.scales.length:.4g} m"
     if increment.branch != "normal":
-        load = f"Q/(mu P) = {increment.Q / (simulation.loop.mu * increment.P):+.3f}   c/a = {entry.c / entry.a:.4f}"
+        share = f"Q/(mu P) = {increment.Q / (simulation.mu * increment.P):+.3f}   c/a = {entry.c / entry.a:.4f}"
+        load = share if simulation.scene.is_loop else f"P = {increment.P:.3f} P_max   {share}"
     cuts = f", {entry.cuts} cuts" if entry.cuts else ""
     return f"{increment.branch:9s} {load}   {entry.iterations} iterations{cuts}, {entry.seconds:.2f} s"
 

@@ -35,7 +35,7 @@ class FullSystem:
         self._load = load
         body = self.problem.body
         body.apply_far_field(load)
-        self._join(body.u.x.petsc_vec, body.delta.value[self._rigid], x)
+        self._join(body.state.x.petsc_vec, body.delta.value[self._rigid], x)
 
     def residual(self, x, f) -> tuple[float, float]:
         """Fill ``f``; return the norm of the force residual and the largest load imbalance."""
@@ -79,8 +79,8 @@ class FullSystem:
         """Leave the state ``x`` in the problem's fields."""
         bulk, rigid = self._split(x)
         body = self.problem.body
-        body.u.x.array[: bulk.local_size] = bulk.array_r
-        body.u.x.scatter_forward()
+        body.state.x.array[: bulk.local_size] = bulk.array_r
+        body.state.x.scatter_forward()
         body.delta.value[self._rigid] = rigid
 
     def _bulk_solve(self, b):

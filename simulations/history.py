@@ -7,8 +7,6 @@ import numpy as np
 from .observables import SurfaceState, contact_edges, stick_edges
 from .programme import Increment, Outcome
 
-DIRECTION = {"normal": 0, "initial": 1, "unloading": -1, "reloading": 1}  # of the tangential load
-
 
 @dataclass(frozen=True)
 class Entry:
@@ -50,7 +48,7 @@ class History:
         contact = contact_edges(surface, self.k)
         stick, dissipated = contact, 0.0
         if self.friction and np.any(surface.traction):
-            stick = stick_edges(surface, self.mu, DIRECTION[increment.branch], self.k)
+            stick = stick_edges(surface, self.mu, increment.direction, self.k)
         if self.entries:
             before = self.entries[-1]
             moved = s - before.surface.relative_displacement
@@ -89,8 +87,10 @@ class History:
         return [entry for entry in self.entries if entry.increment.cycle == cycle]
 
     @property
-    def dissipated_per_cycle(self) -> float:
-        """Energy dissipated in the last cycle."""
+    def dissipated_energy(self) -> float:
+        """Energy dissipated in the last full cycle; where there is none, since the start."""
+        if not self.has_cycle:
+            return float(self.entries[-1].dissipated)
         cycle = self.last_cycle
         start = self.entries[len(self.entries) - len(cycle) - 1]
         return float(cycle[-1].dissipated - start.dissipated)

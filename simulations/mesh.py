@@ -14,7 +14,7 @@ from dolfinx.io import gmshio
 from forms.depth import DepthMap
 
 SURFACE, FAR, SYMMETRY, BODY = 1, 2, 3, 4  # physical groups
-STRIP = 1.25  # contact is looked for on |x| < STRIP a; beyond, the columns may grow without limit
+STRIP = 1.25  # half-width, over that of the contact, of the strip where contact is looked for
 
 
 @dataclass(frozen=True)
@@ -34,11 +34,16 @@ class Grading:
     layer_growth: float = 1.3
     extent: float = 20.0
 
+    @property
+    def strip(self) -> float:
+        """Contact is looked for on |x| < strip; beyond, the columns may grow without limit."""
+        return STRIP * max(map(abs, self.edges))
+
     def facet_size(self, x):
         """Wanted facet length at ``x``."""
         slope = np.log(self.growth)
         to_edge = np.min([np.abs(x - edge) for edge in self.edges], axis=0)
-        outside = np.maximum(np.abs(x) - STRIP, 0.0)
+        outside = np.maximum(np.abs(x) - self.strip, 0.0)
         return np.minimum(self.edge_facet + slope * to_edge, self.facet + slope * outside)
 
 
@@ -49,7 +54,7 @@ def columns(grading: Grading) -> np.ndarray:
     node is placed on an edge on purpose.
     """
     extent = grading.extent
-    clouds = [np.linspace(-extent, extent, 4001), np.linspace(-2.0, 2.0, 4001)]
+    clouds = [np.linspace(-extent, extent, 4001), 2 * np.linspace(-grading.strip, grading.strip, 4001)]
     offsets = np.geomspace(1e-2 * grading.edge_facet, 2 * extent, 4000)
     clouds += [edge + sign * offsets for edge in grading.edges for sign in (-1, 1)]
     x = np.unique(np.concatenate(clouds))
@@ -61,8 +66,8 @@ def columns(grading: Grading) -> np.ndarray:
     return nodes
 
 
-def layers(grading: Grading, depth: DepthMap) -> np.ndarray:
-    """Mesh depths (n,) of the layers, from the surface to ``extent``.
+def layers(grading: Grading, depth: DepthMap, kink: float = np.inf) -> np.ndarray:
+    """Mesh depths (n,) of the layers, from the surface to ``extent``, one of them at the depth ``kink`` of E(y).
 
     In physical depth they grow from ``first_layer`` by ``layer_growth``: y_i = r (growth^i - 1). In a mesh depth
     s = y^(1/m) the field varies on the scale (r + y)^(1/m), which grows by growth^(1/m) a layer.
@@ -72,7 +77,10 @@ def layers(grading: Grading, depth: DepthMap) -> np.ndarray:
     bottom = depth.s(grading.extent)
     n = int(np.ceil(np.log1p(bottom / start) / np.log(growth)))
     s = np.expm1(np.arange(n + 1) * np.log(growth))
-    return s * (bottom / s[-1])
+    s *= bottom / s[-1]
+    if kink < grading.extent:
+        s[1 + np.argmin(np.abs(s[1:-1] - depth.s(kink)))] = depth.s(kink)
+    return s
 
 
 def half_plane(comm, x: np.ndarray, s: np.ndarray):

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from dolfinx import fem
 
-from .problem import ContactProblem, HalfPlane, X, Y
+from .body import HalfPlane, X, Y, gathered
+from .problem import ContactProblem
 
 SKIPPED, FITTED = 5, 10  # nodes next to an edge that carry its discretisation error, and those read beyond them
 ROUND_OFF = 1e-9  # a traction this close (relative to the largest limit) to its limit slides
@@ -40,10 +41,9 @@ class SurfaceSampler:
 
     def __init__(self, body: HalfPlane, problem: ContactProblem):
         self.body = body
-        owned = body.space.dofmap.index_map.size_local
-        dofs = fem.locate_dofs_topological(body.space, 1, body.strip)
-        self._dofs = dofs[dofs < owned]
-        x = self._gather(body.space.tabulate_dof_coordinates()[self._dofs, 0])
+        nodes = fem.locate_dofs_topological(body.displacements, 1, body.strip)
+        self._nodes = nodes[nodes < body.owned_nodes]
+        x = gathered(body.mesh.comm, body.displacements.tabulate_dof_coordinates()[self._nodes, 0])
         self._order = np.argsort(x)
         self.x = x[self._order]
         self.weight = self._collect(problem.tributary_lengths())
@@ -56,25 +56,22 @@ class SurfaceSampler:
         force = [self._collect(problem.nodal_forces(i)) for i in (X, Y)]
         if self.body.is_half:
             force[Y][len(self.x) // 2] *= 2.0
-        u = self.body.u.x.array
+        u = self.body.state.x.array[self.body.dofs]
         return SurfaceState(
             x=self.x,
             weight=self.weight,
             pressure=force[Y] / self.weight,
             traction=force[X] / self.weight,
-            u=np.stack([self._collect(u[X::2], mirrored=-1), self._collect(u[Y::2])]),
+            u=np.stack([self._collect(u[:, X], mirrored=-1), self._collect(u[:, Y])]),
             delta=self.body.delta.value.copy(),
         )
 
     def _collect(self, nodal, mirrored: int = 1):
         """Sorted values of all ranks; for half a problem also those of its mirror image, times ``mirrored``."""
-        values = self._gather(nodal[self._dofs])[self._order]
+        values = gathered(self.body.mesh.comm, nodal[self._nodes])[self._order]
         if self.body.is_half:
             return np.concatenate([mirrored * values[:0:-1], values])
         return values
-
-    def _gather(self, local):
-        return np.concatenate(self.body.mesh.comm.allgather(np.ascontiguousarray(local)))
 
 
 def contact_edges(state: SurfaceState, k: float) -> tuple[float, float]:
@@ -97,8 +94,11 @@ def _edges(x, values, k):
     first, last = _longest_run(values > 0)
     if last - first < 4:
         return np.nan, np.nan
-    x, values = x[first:last], values[first:last] ** (2.0 / (1.0 + k))
-    return -_zero(-x[::-1], values[::-1]), _zero(x, values)
+    transformed = values[first:last] ** (2.0 / (1.0 + k))
+    # where the fit leads away (a traction that runs along its limit) the nodes know better
+    right = np.clip(_zero(x[first:last], transformed), x[last - 2], x[min(last + 1, len(x) - 1)])
+    left = np.clip(-_zero(-x[first:last][::-1], transformed[::-1]), x[max(first - 2, 0)], x[first + 1])
+    return float(left), float(right)
 
 
 def _zero(x, values):
@@ -113,7 +113,7 @@ def _zero(x, values):
         roots = roots[np.isreal(roots)].real
         if roots.size:
             return float(roots[np.argmin(np.abs(roots - x[-1]))])
-    return np.nan
+    return float(x[-1])
 
 
 def _longest_run(mask):

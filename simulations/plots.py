@@ -6,88 +6,94 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analytic import CylinderContact, FrettingLoop
-
 from .history import Entry, History
+from .reference import ClosedForm, Reference
+from .simulation import Simulation
 
-COLOURS = {"A": "#0072B2", "B": "#E69F00", "C": "#009E73", "D": "#CC79A7", "E": "#D55E00"}  # colour-blind safe
+COLOURS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#D55E00")  # colour-blind safe
+STYLES = ("-", "--")
 DOTS = 45  # computed points shown a curve
+MOST_STATES = 5
 
 
-def plot_run(
-    path: Path, title: str, history: History, contact: CylinderContact, loop: FrettingLoop | None, exact: bool
-):
-    """PNG of the last state's pressure and, with friction, the states A ... E of the last cycle and the loop.
+def plot_run(path: Path, title: str, simulation: Simulation, lines: dict[str, Reference]):
+    """PNG of the last state's pressure and, with friction, the named states of the last cycle and the loop.
 
-    exact: the closed form describes the same problem.
+    lines: what the computed points are laid on, by label.
     """
-    theory = "closed form" if exact else "closed form (no coupling)"
-    panels = 1 if loop is None else 3
+    history = simulation.history
+    panels = 3 if history.friction else 1
     with plt.rc_context({"font.size": 10, "axes.grid": True, "grid.alpha": 0.3, "legend.fontsize": 9}):
         figure, axes = plt.subplots(1, panels, figsize=(4.7 * panels, 4.6), layout="constrained", squeeze=False)
         figure.suptitle(title, wrap=True, parse_math=False)
-        _pressure(axes[0, 0], history.entries[-1], contact, theory)
-        if loop is not None:
-            _traction(axes[0, 1], _states(history), loop, theory)
-            _loop(axes[0, 2], history, loop, theory)
+        _pressure(axes[0, 0], history.entries[-1], lines)
+        if history.friction:
+            _traction(axes[0, 1], history, simulation.mu, lines)
+            _loop(axes[0, 2], simulation, lines)
         partial = path.with_name("part." + path.name)
         figure.savefig(partial, dpi=160)
         plt.close(figure)
     os.replace(partial, path)
 
 
-def _states(history: History) -> dict[str, Entry]:
+def _states(history: History) -> list[Entry]:
+    """The last states by name, in the order in which they come."""
     named = {e.increment.state: e for e in history.entries if e.increment.state}
-    return {state: named[state] for state in COLOURS if state in named}
+    return sorted(named.values(), key=lambda entry: entry.increment.state)[:MOST_STATES]
 
 
-def _pressure(axis, entry, contact, theory):
-    x = np.linspace(-1.15, 1.15, 601) * contact.a
-    peak = contact.peak_pressure
-    axis.plot(x / contact.a, contact.pressure(x) / peak, color="0.35", label=theory)
-    shown = _thinned(entry.surface.x / contact.a)
-    pressure = entry.surface.pressure[shown] / peak
-    axis.plot(entry.surface.x[shown] / contact.a, pressure, "o", ms=3.5, color=COLOURS["A"], label="finite elements")
-    axis.set(xlabel="position x/a [–]", ylabel="pressure p/p(0) [–]", title="Pressure")
+def _pressure(axis, entry, lines):
+    x = np.linspace(-1.15, 1.15, 601) * entry.a
+    for (label, line), style in zip(lines.items(), STYLES):
+        axis.plot(x, line.pressure(entry, x), style, color="0.35", label=label)
+    shown = _thinned(entry.surface.x / entry.a)
+    axis.plot(
+        entry.surface.x[shown], entry.surface.pressure[shown], "o", ms=3.5, color=COLOURS[0], label="finite elements"
+    )
+    axis.set(xlabel="position x/a [–]", ylabel="pressure p a/P [–]", title="Pressure")
     axis.legend(loc="lower center")
 
 
-def _traction(axis, states, loop, theory):
-    x = np.linspace(-1.15, 1.15, 1201) * loop.a
-    limit = loop.mu * loop.contact.peak_pressure
-    for state, entry in states.items():
-        at = {"Q": entry.increment.Q, "branch": entry.increment.branch}
-        axis.plot(x / loop.a, loop.traction(x, **at) / limit, color=COLOURS[state], lw=1)
-        shown = _thinned(entry.surface.x / loop.a)
-        share = entry.increment.Q / loop.Q_A
-        label = rf"{state}: $Q = {share:+.1f}\,Q_A$"
-        points = entry.surface.traction[shown] / limit
-        axis.plot(entry.surface.x[shown] / loop.a, points, "o", ms=3, color=COLOURS[state], label=label)
-    axis.plot([], [], color="0.35", lw=1, label=theory)
-    axis.set(xlabel="position x/a [–]", ylabel=r"traction q/(μ p(0)) [–]", title="Traction", ylim=(None, 1.55))
+def _traction(axis, history, mu, lines):
+    for entry, colour in zip(_states(history), COLOURS):
+        x, surface, increment = np.linspace(-1.15, 1.15, 1201) * entry.a, entry.surface, entry.increment
+        for line, style in zip(lines.values(), STYLES):
+            axis.plot(x, line.traction(entry, x) / mu, style, color=colour, lw=1)
+        shown = _thinned(surface.x / entry.a)
+        label = rf"{increment.state}: $Q = {increment.Q / (mu * increment.P):+.2f}\,\mu P$"
+        axis.plot(surface.x[shown], surface.traction[shown] / mu, "o", ms=3, color=colour, label=label)
+    for label, style in zip(lines, STYLES):
+        axis.plot([], [], style, color="0.35", lw=1, label=label)
+    low, high = axis.get_ylim()
+    top = high + 0.45 * (high - low)  # room for the legend
+    axis.set(xlabel="position x/a [–]", ylabel="traction q a/(μ P) [–]", title="Traction", ylim=(low, top))
     axis.legend(loc="upper center", ncols=2)
 
 
-def _loop(axis, history, loop, theory):
-    # displacements per mu alpha a²/(2R), loads per mu P
-    unit = loop.mu * loop.contact.solid.alpha * loop.a**2 / (2 * loop.contact.R)
-    load = loop.mu * loop.contact.P
+def _loop(axis, simulation, lines):
+    history, mu, scaled = simulation.history, simulation.mu, simulation.scaled
+    unit = mu * scaled.solid.alpha * float(scaled.indenter.height(1.0))
+    for (label, line), style in zip(lines.items(), STYLES):
+        if isinstance(line, ClosedForm) and line.normal.solid.k > 0:
+            _closed_loop(axis, line.loop, unit, style, label)
     moving = [e for e in history.entries if e.increment.branch != "normal"]
     start = [e for e in history.entries if e.increment.branch == "normal"][-1].surface.delta[0]
-    if loop.contact.solid.k > 0:
-        for branch in ("initial", "unloading", "reloading"):
-            Q = np.linspace(0.0 if branch == "initial" else -loop.Q_A, loop.Q_A, 201)
-            shift = np.array([loop.rigid_shift(q, branch) for q in Q])
-            axis.plot(shift / unit, Q / load, color="0.35", lw=1, label=theory if branch == "initial" else None)
     delta = np.array([e.surface.delta[0] - start for e in moving])
     Q = np.array([e.increment.Q for e in moving])
-    axis.plot(delta / unit, Q / load, "o", ms=4, color=COLOURS["E"], label="finite elements")
+    axis.plot(delta / unit, Q / mu, "o", ms=4, color=COLOURS[4], label="finite elements")
     axis.set(
-        xlabel=r"rigid shift $\delta_x\,/\,(\mu\alpha a^2/2R)$ [–]",
+        xlabel=r"rigid shift $\delta_x\,/\,(\mu\alpha f(a))$ [–]",
         ylabel=r"tangential load $Q/(\mu P)$ [–]",
         title="Friction loop",
     )
     axis.legend(loc="upper left")
+
+
+def _closed_loop(axis, loop, unit, style, label):
+    for branch in ("initial", "unloading", "reloading"):
+        Q = np.linspace(0.0 if branch == "initial" else -loop.Q_A, loop.Q_A, 201)
+        shift = np.array([loop.rigid_shift(q, branch) for q in Q])
+        axis.plot(shift / unit, Q / loop.mu, style, color="0.35", lw=1, label=label if branch == "initial" else None)
 
 
 def _thinned(x):

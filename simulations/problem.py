@@ -1,14 +1,12 @@
-"""The discrete contact problem: fields on the half-plane, its forms, residual and Jacobian.
+"""The discrete contact problem: its forms, residual and Jacobian on the half-plane.
 
-Everything is dimensionless (``simulations.scaling``). Unknowns are the displacement ``u`` and the rigid cylinder's two
-displacements ``delta = (delta_x, delta_y)``, which the two line loads (Q, P) determine:
+Unknowns are the state ``u`` of the body and the rigid indenter's two displacements ``delta = (delta_x, delta_y)``, which the two line loads (Q, P) determine:
 
     K u - f(u, delta) = 0  in the body,     sum of the contact tractions in f = (Q, P).
 """
 
 from dataclasses import dataclass
 
-import dolfinx
 import numpy as np
 import ufl
 from dolfinx import fem
@@ -16,12 +14,9 @@ from dolfinx.fem import petsc as fem_petsc
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from forms import contact, elasticity
+from forms import contact
 
-from .mesh import FAR, STRIP, SURFACE, SYMMETRY
-
-X, Y = 0, 1  # components: along the surface, into the body
-BULK_QUADRATURE_DEGREE = 5  # 3 Gauss points a direction: the square of a degree-2 gradient, in graded layers
+from .body import HalfPlane, X, Y
 
 
 @dataclass(frozen=True)
@@ -32,134 +27,35 @@ class Nitsche:
     theta: float = 0.0
 
 
-class HalfPlane:
-    """Mesh, function spaces, fields and stiffness of the graded half-plane.
-
-    far_field: function ``(x, y, P, Q) -> (2, n)`` with the displacement far from the loads; it is prescribed on
-    the outer boundary, so that the domain's size is felt only beyond the resultant loads. A mesh with SYMMETRY facets is
-    the half x > 0 of a symmetric problem.
-    """
-
-    def __init__(self, mesh, facets, modulus, nu: float, far_field):
-        self.mesh, self.modulus, self.nu = mesh, modulus, nu
-        self.depth = modulus.depth_map()
-        self.space = fem.functionspace(mesh, ("Lagrange", 2, (2,)))
-        self.point_space = fem.functionspace(mesh, ("DG", 2))  # of what surface points remember, cell by cell
-        self.u = fem.Function(self.space, name="displacement")
-        self.delta = fem.Constant(mesh, np.zeros(2))
-        self.position = ufl.SpatialCoordinate(mesh)
-        self.cell_height = self._cell_height()
-        self.translations = [self._translation(i) for i in (X, Y)]
-
-        far = fem.locate_dofs_topological(self.space, 1, facets.find(FAR))
-        self.far_value = fem.Function(self.space)
-        self.boundary_conditions = [fem.dirichletbc(self.far_value, far)]
-        self.is_half = bool(mesh.comm.allreduce(facets.find(SYMMETRY).size))
-        if self.is_half:
-            axis = fem.locate_dofs_topological(self.space.sub(X), 1, facets.find(SYMMETRY))
-            self.boundary_conditions.append(fem.dirichletbc(0.0, axis, self.space.sub(X)))
-        self._far_dofs = np.stack([2 * far, 2 * far + 1])
-        x, s, _ = self.space.tabulate_dof_coordinates()[far].T
-        y = self.depth.y(np.maximum(s, 0.0))  # gmsh may place the surface at -1e-17
-        self._far_field = [far_field(x, y, Q=1.0), far_field(x, y, P=1.0)]
-
-        v, du = ufl.TestFunction(self.space), ufl.TrialFunction(self.space)
-        dx = ufl.dx(metadata={"quadrature_degree": BULK_QUADRATURE_DEGREE})
-        work = elasticity.virtual_work(du, v, modulus, nu, self.depth, self.position[1], self._correction()) * dx
-        form = fem.form(work)
-        self.stiffness = fem_petsc.assemble_matrix(form)
-        self.stiffness.assemble()
-        self.constrained_stiffness = fem_petsc.assemble_matrix(form, bcs=self.boundary_conditions)
-        self.constrained_stiffness.assemble()
-
-        middle = dolfinx.mesh.compute_midpoints(mesh, 1, facets.find(SURFACE))[:, 0]
-        self.strip = facets.find(SURFACE)[np.abs(middle) < STRIP]
-        tags = dolfinx.mesh.meshtags(mesh, 1, np.sort(self.strip), np.full(len(self.strip), SURFACE, np.int32))
-        # Integration at the displacement nodes makes each node carry its own contact force; with Gauss
-        # points between them the semismooth Newton diverges on thin layers.
-        rule = {"quadrature_rule": "GLL", "quadrature_degree": 3}
-        self.surface_measure = ufl.Measure("ds", mesh, subdomain_data=tags, metadata=rule)(SURFACE)
-        mesh.topology.create_connectivity(1, 2)
-        to_cell = mesh.topology.connectivity(1, 2)
-        self.strip_cells = np.unique([to_cell.links(facet)[0] for facet in self.strip]).astype(np.int32)
-
-    @property
-    def fixed_dofs(self) -> np.ndarray:
-        """Local dofs whose displacement is prescribed."""
-        return np.unique(np.concatenate([bc.dof_indices()[0] for bc in self.boundary_conditions]))
-
-    @property
-    def unknowns(self) -> int:
-        """Global number of displacement unknowns."""
-        return 2 * self.space.dofmap.index_map.size_global
-
-    def traction(self, u):
-        """UFL traction (2,) of ``u`` on the surface, dimensionless."""
-        return elasticity.surface_traction(u, self.modulus, self.nu, self.depth, self.cell_height)
-
-    def set_far_field(self, load):
-        """Prescribe the displacement of the loads ``(Q, P)`` on the outer boundary."""
-        value = load[X] * self._far_field[X] + load[Y] * self._far_field[Y]
-        self.far_value.x.array[self._far_dofs] = value
-
-    def apply_far_field(self, load):
-        """``set_far_field``, and the same values in ``u``."""
-        self.set_far_field(load)
-        self.u.x.array[self._far_dofs] = self.far_value.x.array[self._far_dofs]
-
-    def _cell_height(self):
-        height = fem.Function(fem.functionspace(self.mesh, ("DG", 0)))
-        cells = self.mesh.geometry.x[self.mesh.geometry.dofmap][..., 1]
-        height.x.array[:] = np.ptp(cells, axis=1)
-        return height
-
-    def _correction(self):
-        """Exact mean of E over each cell, divided by its quadrature.
-
-        For k < 0 the modulus is infinite on the surface, and Gauss points miss part of the stiff skin: 13 % of the first
-        layer's at k = -0.5, an error of order first_layer^(1+k) in everything.
-        """
-        if self.modulus.k >= 0:
-            return 1.0
-        points, weights = np.polynomial.legendre.leggauss(BULK_QUADRATURE_DEGREE // 2 + 1)
-        depths = self.mesh.geometry.x[self.mesh.geometry.dofmap][..., 1]
-        top, bottom = np.maximum(depths.min(axis=1), 0.0), depths.max(axis=1)
-        at_points = self.modulus.young(top[:, None] + (bottom - top)[:, None] * (1.0 + points) / 2.0)
-        factor = fem.Function(self.cell_height.function_space)
-        factor.x.array[:] = self.modulus.layer_mean(top, bottom) / (at_points @ weights / 2.0)
-        return factor
-
-    def _translation(self, direction):
-        field = fem.Function(self.space)
-        field.x.array[direction::2] = 1.0
-        return field
-
-
 class ContactProblem:
-    """Contact of a half-plane with the cylinder as residual and Jacobian, with the effects it is asked for.
+    """Contact of a half-plane with the indenter as residual and Jacobian, with the effects it is asked for.
 
-    profile: UFL function of x, the cylinder's shape f(x). ``directions`` lists the contact tractions in the forms, each
+    height: numpy function of x, the indenter's profile f(x). ``directions`` lists the contact tractions in the forms, each
     with its rigid displacement: (Y,) without friction; (X, Y) with; (X,) for the tangential problem uncoupled from the
     normal one, whose pressure and displacement ``hold_pressure`` then keeps.
     """
 
-    def __init__(self, body: HalfPlane, profile, nitsche: Nitsche, directions: tuple[int, ...]):
+    def __init__(self, body: HalfPlane, height, nitsche: Nitsche, directions: tuple[int, ...]):
         self.body, self.directions = body, directions
         self.friction = X in directions
         self.all_stick = fem.Constant(body.mesh, 0.0)  # 1 in the predictor
         self.held_forces = None
         ds = body.surface_measure
-        u, v, du = body.u, ufl.TestFunction(body.space), ufl.TrialFunction(body.space)
+        test, du = ufl.TestFunction(body.space), ufl.TrialFunction(body.space)
+        v, _ = body.split(test)
+        state = body.state
         if Y not in directions:
-            self._held_displacement = fem.Function(body.space)
-            u = body.u - self._held_displacement
+            self._held_state = fem.Function(body.space)
+            state = body.state - self._held_state
+        u, pi = body.split(state)
 
-        into = body.modulus.surface_moduli(body.cell_height, body.depth)[1]
-        gamma = nitsche.gamma0 * 4.0 * into / ((1.0 - body.nu**2) * body.cell_height)
-        traction = body.traction(u)
+        gamma = body.constant(nitsche.gamma0) * 4.0 * body.surface_modulus() / body.cell_height
+        traction = body.traction(u, pi)
         tractions = {}
         if Y in directions:
-            gap = contact.gap(u, profile(body.position[0]), body.delta)
+            profile = fem.Function(fem.functionspace(body.mesh, ("Lagrange", 2)))  # the terms live at its nodes
+            profile.interpolate(lambda x: height(x[0]))
+            gap = contact.gap(u, profile, body.delta)
             pressure = tractions[Y] = contact.contact_pressure(traction, gap, gamma)
             self._pressure = self._expression(pressure)
         else:
@@ -185,19 +81,20 @@ class ContactProblem:
         forces = sum(work.values())
         if nitsche.theta:
             for i in directions:
-                test = ufl.derivative(traction[i], body.u, v)
-                forces += contact.consistency(traction[i], tractions[i], test, nitsche.theta, gamma) * ds
+                traction_test = ufl.derivative(traction[i], body.state, test)
+                theta = body.constant(nitsche.theta)
+                forces += contact.consistency(traction[i], tractions[i], traction_test, theta, gamma) * ds
         sides = 2.0 if body.is_half else 1.0
         resultants = [sides * tractions[i] * ds for i in directions]
         along = [body.translations[i] for i in directions]
-        # The cylinder enters through u - delta alone, so d/d(delta_i) is minus the derivative along a translation.
+        # The indenter enters through u - delta alone, so d/d(delta_i) is minus the derivative along a translation.
         self._forces = fem.form(forces)
-        self._force_tangent = fem.form(ufl.derivative(-forces, body.u, du))
+        self._force_tangent = fem.form(ufl.derivative(-forces, body.state, du))
         self._strip_tangent = fem.create_matrix(self._force_tangent)
         self._resultants = [fem.form(r) for r in resultants]
-        self._columns = [fem.form(ufl.derivative(forces, body.u, e)) for e in along]
-        self._rows = [fem.form(ufl.derivative(r, body.u, v)) for r in resultants]
-        self._corner = [[fem.form(-ufl.derivative(r, body.u, e)) for e in along] for r in resultants]
+        self._columns = [fem.form(ufl.derivative(forces, body.state, e)) for e in along]
+        self._rows = [fem.form(ufl.derivative(r, body.state, test)) for r in resultants]
+        self._corner = [[fem.form(-ufl.derivative(r, body.state, e)) for e in along] for r in resultants]
         self._nodal = {i: fem.form(w) for i, w in work.items()}
         self._tributary = fem.form(v[Y] * ds)
 
@@ -210,11 +107,11 @@ class ContactProblem:
     def residual(self, load) -> tuple[PETSc.Vec, np.ndarray]:
         """Force residual (owned dofs) and load imbalance, one per direction, at line loads ``(Q, P)``."""
         internal = self.body.stiffness.createVecLeft()
-        self.body.stiffness.mult(self.body.u.x.petsc_vec, internal)
+        self.body.stiffness.mult(self.body.state.x.petsc_vec, internal)
         internal.axpy(-1.0, self._vector(self._forces))
         if self.held_forces is not None:
-            internal.array[Y::2] -= self.held_forces
-        fem_petsc.set_bc(internal, self.body.boundary_conditions, x0=self.body.u.x.petsc_vec, alpha=-1.0)
+            internal.array[self._owned(Y)] -= self.held_forces
+        fem_petsc.set_bc(internal, self.body.boundary_conditions, x0=self.body.state.x.petsc_vec, alpha=-1.0)
         total = np.array([self._sum(form) for form in self._resultants])
         return internal, total - np.array([load[i] for i in self.directions])
 
@@ -242,15 +139,15 @@ class ContactProblem:
         return columns, [self._vector(form) for form in self._rows], corner
 
     def nodal_forces(self, direction: int) -> np.ndarray:
-        """Contact force along x (0) or y (1) on every owned dof of that direction, (n,)."""
+        """Contact force along x (0) or y (1) on every owned node, (n,)."""
         if direction not in self._nodal:
-            nothing = np.zeros(self.body.space.dofmap.index_map.size_local)
+            nothing = np.zeros(self.body.owned_nodes)
             return nothing if direction == X or self.held_forces is None else self.held_forces.copy()
-        return self._vector(self._nodal[direction]).array[direction::2].copy()
+        return self._vector(self._nodal[direction]).array[self._owned(direction)]
 
     def tributary_lengths(self) -> np.ndarray:
         """Length of surface that belongs to every owned node, (n,); zero off the strip."""
-        return self._vector(self._tributary).array[Y::2].copy()
+        return self._vector(self._tributary).array[self._owned(Y)]
 
     def lag_pressure(self):
         """Keep the present pressure as the limit of friction while ``lagged`` is 1."""
@@ -277,8 +174,18 @@ class ContactProblem:
     def hold_pressure(self, normal: "ContactProblem"):
         """Keep the pressure and the displacement of the normal problem as they are now."""
         self.held_forces = normal.nodal_forces(Y)  # all of them for theta = 0
-        self._held_displacement.x.array[:] = self.body.u.x.array
+        self._held_state.x.array[:] = self.body.state.x.array
         self._interpolate(self._held_pressure, normal._pressure)
+
+    def without_held(self) -> np.ndarray:
+        """Take the tangential problem's part out of the state, which is then that of the normal problem."""
+        tangential = self.body.state.x.array - self._held_state.x.array
+        self.body.state.x.array[:] = self._held_state.x.array
+        return tangential
+
+    def _owned(self, direction):
+        """Local dofs of one displacement of the nodes that this rank owns."""
+        return self.body.dofs[: self.body.owned_nodes, direction]
 
     def _move_anchor(self, expression):
         self._interpolate(self.anchor, expression)

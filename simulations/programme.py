@@ -22,9 +22,10 @@ class Increment:
 
     P: float
     Q: float = 0.0
-    branch: str = "normal"  # normal, initial, unloading, reloading
-    state: str = ""  # A ... E of Figure 11
+    branch: str = "normal"  # normal, initial, unloading, reloading; path between given points
+    state: str = ""  # A ... E of Figure 11; 1, 2, ... at given points
     cycle: int = 0
+    direction: int = 0  # in which Q moves
 
     @property
     def load(self) -> tuple[float, float]:
@@ -59,17 +60,32 @@ def rocking(P: float, Q_A: float, cycles: int, quarter: int) -> list[Increment]:
     """
     ramp = np.arange(1, quarter + 1) / quarter
     swing = np.arange(1, 2 * quarter + 1) / quarter
-    programme = [Increment(P, Q_A * z, "initial") for z in ramp]
+    programme = [Increment(P, Q_A * z, "initial", direction=1) for z in ramp]
     programme[-1] = replace(programme[-1], state="A")
     for cycle in range(1, cycles + 1):
-        down = [Increment(P, Q_A * (1 - z), "unloading", cycle=cycle) for z in swing]
+        down = [Increment(P, Q_A * (1 - z), "unloading", cycle=cycle, direction=-1) for z in swing]
         for state, share in (("B", 0.25), ("C", 0.5), ("D", 0.75), ("E", 1.0)):
             i = round(share * 2 * quarter) - 1
             if i >= 0:
                 down[i] = replace(down[i], state=state)
-        up = [Increment(P, -Q_A * (1 - z), "reloading", cycle=cycle) for z in swing]
+        up = [Increment(P, -Q_A * (1 - z), "reloading", cycle=cycle, direction=1) for z in swing]
         up[-1] = replace(up[-1], state="A")
         programme += down + up
+    return programme
+
+
+def visiting(start: tuple[float, float], points: list[tuple[float, float]], increments: int) -> list[Increment]:
+    """Straight from point to point (P, Q), ``increments`` each; pressing goes on while Q has not moved yet."""
+    programme, branch = [], "normal"
+    for number, (P, Q) in enumerate(points, start=1):
+        if Q != 0:
+            branch = "path"
+        direction = int(np.sign(Q - start[1]))
+        for z in np.arange(1, increments + 1) / increments:
+            load = [before + z * (after - before) for before, after in zip(start, (P, Q))]
+            programme.append(Increment(*load, branch, direction=direction))
+        programme[-1] = replace(programme[-1], state=str(number) if branch == "path" else "")
+        start = P, Q
     return programme
 
 
@@ -81,7 +97,7 @@ class LoadProgramme:
     """
 
     def __init__(self, normal: ContactProblem, frictional: ContactProblem | None, system, mu=0.0, friction_first=False):
-        self.problem, self.frictional = normal, frictional
+        self.problem, self.normal, self.frictional = normal, normal, frictional
         self.body, self.mu, self._system = normal.body, mu, system
         self._friction_first = friction_first
 
@@ -95,6 +111,9 @@ class LoadProgramme:
                 if self._friction_first:  # the frictionless contact of the first increment is where Newton starts
                     self._advance(before, increment, results)
                 self._begin_friction()
+            uncoupled = self.problem is self.frictional and Y not in self.problem.directions
+            if uncoupled and increment.P != before.P:
+                self._renew_pressure(increment, results)
             cuts = self._advance(before, increment, results)
             yield Outcome(increment, tuple(results), cuts)
             before = increment
@@ -103,13 +122,23 @@ class LoadProgramme:
         return Newton(self._system(problem), self.body.mesh.comm)
 
     def _begin_friction(self):
-        normal, self.problem = self.problem, self.frictional
+        self._normal_newton, self.problem = self._newton, self.frictional
         if Y not in self.frictional.directions:
-            self.frictional.hold_pressure(normal)
+            self.frictional.hold_pressure(self.normal)
         self.frictional.mu.value = self.mu
         if not self._friction_first:  # there the surface came to rest before it was touched, at s = 0
             self.frictional.release()
         self._newton = self._start(self.frictional)
+
+    def _renew_pressure(self, increment: Increment, results: list[NewtonResult]):
+        """Without coupling: the frictionless contact under a new P, beneath an unchanged tangential problem."""
+        tangential = self.problem.without_held()
+        result = self._normal_newton.solve((0.0, increment.P))
+        results.append(result)
+        if not result.converged:
+            raise SolveError(f"no frictionless contact at P = {increment.P:.4g}: {result.reason}")
+        self.problem.hold_pressure(self.normal)
+        self.body.state.x.array[:] += tangential
 
     def _advance(self, before: Increment, after: Increment, results: list[NewtonResult], depth: int = 0) -> int:
         """Newton; where it fails guarded Newton, then the fixed point in the pressure, then two half increments.
@@ -139,7 +168,8 @@ class LoadProgramme:
                 f"({after.branch}): {failed.reason}, and at last {result.reason}; force residual {failed.residual:.1e} P after "
                 f"{failed.iterations} iterations and {depth} halvings of the increment"
             )
-        middle = replace(after, P=(before.P + after.P) / 2, Q=(before.Q + after.Q) / 2, state="")
+        P = (before.P + after.P) / 2 if Y in self.problem.directions else after.P
+        middle = replace(after, P=P, Q=(before.Q + after.Q) / 2, state="")
         cuts = self._advance(before, middle, results, depth + 1)
         return 1 + cuts + self._advance(middle, after, results, depth + 1)
 
@@ -177,7 +207,7 @@ class LoadProgramme:
         return balance
 
     def _fields(self):
-        return [self.body.u.x] + ([self.problem.anchor.x] if self.problem.friction else [])
+        return [self.body.state.x] + ([self.problem.anchor.x] if self.problem.friction else [])
 
     def _save(self):
         return [f.array.copy() for f in self._fields()], self.body.delta.value.copy()

@@ -11,7 +11,6 @@ from petsc4py import PETSc
 from . import __version__, comparison, output, reference
 from .fields import FieldWriter
 from .plots import plot_run
-from .scaling import Scales
 from .simulation import Simulation
 
 FILES = ("scene.toml", "history.csv", "surface.h5", "fields.xdmf", "fields.h5", "summary.json", "fretting.png")
@@ -34,10 +33,12 @@ class Results:
 
     def __init__(self, folder: Path, simulation: Simulation):
         self.folder, self.simulation = folder, simulation
-        self.scales = Scales.of(simulation.scene)
+        self.scales = simulation.scaled.scales
         self.comm = simulation.body.mesh.comm
         self.summary: dict = {}
         self._fields = None
+        self._reference = self._neglecting = None
+        self._no_reference = "none"
 
     def __enter__(self):
         if self.comm.rank == 0:
@@ -70,6 +71,8 @@ class Results:
                 output.write_history(self.folder / "history.csv", history, self.scales)
                 output.write_surface(self.folder / "surface.h5", history, self.scales)
         if self.comm.rank == 0:
+            if kind is None:
+                self._find_references()
             self.summary = self._summarise(failure=None if kind is None else str(error) or kind.__name__)
             output.write_summary(self.folder / "summary.json", self.summary)
             if kind is None:
@@ -77,12 +80,16 @@ class Results:
 
     def _plot(self):
         simulation, scene = self.simulation, self.simulation.scene
-        values = [f"k = {scene['solid.k']:g}", f"ν = {scene['solid.nu']:.4g}"]
-        if simulation.loop:
+        values = [f"k = {scene.k:g}", f"ν = {scene['solid.nu']:.4g}"]
+        if scene.friction:
             values.append(f"μ = {scene['load.mu']:g}")
         title = f"{scene['title']}  ({', '.join(values)})".strip()
-        png = self.folder / "fretting.png"
-        plot_run(png, title, simulation.history, simulation.contact, simulation.loop, scene.has_closed_form)
+        lines = {}
+        if self._reference:
+            lines[self._reference.name] = self._reference
+        if self._neglecting:
+            lines["closed form (no coupling)"] = self._neglecting
+        plot_run(self.folder / "fretting.png", title, simulation, lines)
 
     def _summarise(self, failure) -> dict:
         simulation = self.simulation
@@ -91,7 +98,7 @@ class Results:
             "title": scene["title"],
             "converged": failure is None,
             "failure": failure,
-            "effects": {effect.name: effect.on for effect in simulation.effects.listed},
+            "effects": {name: verdict.on for name, verdict in simulation.effects.verdicts.items()},
             "increments": len(history.entries),
             "newton_iterations": sum(e.iterations for e in history.entries),
             "cuts": sum(e.cuts for e in history.entries),
@@ -107,73 +114,73 @@ class Results:
 
     def _quantities(self) -> dict:
         """Scalars of the last state and cycle, SI."""
-        history, contact = self.simulation.history, self.simulation.scene.contact
-        last, scales = history.entries[-1], self.scales
+        history, scales = self.simulation.history, self.scales
+        last = history.entries[-1]
         quantities = {
             "a": last.a * scales.length,
-            "a_over_a0": last.a * scales.length / contact.a0,
+            "a_over_a0": last.a * scales.length / self.simulation.scene.a0,
             "indentation": float(last.surface.delta[1]) * scales.displacement,
         }
         if history.friction:
             quantities["c_over_a"] = last.c / last.a
-            if history.has_cycle:
-                quantities["dissipated_energy"] = history.dissipated_per_cycle * scales.energy
+            quantities["dissipated_energy"] = history.dissipated_energy * scales.energy
         return quantities
 
     def _deviations(self) -> dict:
-        """Errors where the closed form describes the same problem, differences otherwise."""
-        simulation = self.simulation
-        history, contact, loop = simulation.history, simulation.contact, simulation.loop
-        exact = simulation.scene.has_closed_form
-        kind = "errors" if exact else "differences"
-        deviations = {"reference": self._reference(), "errors": None, kind: comparison.compare(history, contact, loop)}
-        if not exact:
-            deviations |= self._errors_of_coupled_run()
-        if loop and history.has_cycle:
-            deviations[f"{kind}_worst_in_cycle"] = comparison.worst(history, contact, loop)
+        """Errors against what has the same physics; differences from a closed form that neglects some of it."""
+        history = self.simulation.history
+        deviations: dict = {"reference": self._no_reference, "errors": None}
+        if self._reference:
+            deviations["reference"] = reference.describe(self._reference, self.simulation)
+            deviations["errors"] = comparison.compare(history, self._reference)
+            if history.has_cycle:
+                deviations["errors_worst_in_cycle"] = comparison.worst(history, self._reference)
+        if self._neglecting:
+            deviations["differences_from"] = "closed form, which neglects the coupling of this run: another problem"
+            deviations["differences"] = comparison.compare(history, self._neglecting)
+            if history.has_cycle:
+                deviations["differences_worst_in_cycle"] = comparison.worst(history, self._neglecting)
         return deviations
 
-    def _errors_of_coupled_run(self) -> dict:
-        if self.simulation.scene["reference.kind"] == "closed form":
-            return {}
-        try:
-            with self.simulation.watch("reference"):
-                states = reference.solve(self.simulation)
-            return {"reference": reference.NAME, "errors": reference.errors(self.simulation.history, states)}
-        except reference.NoReference as failure:
-            return {"reference": f"none: the {reference.NAME} failed: {failure}"}
-
-    def _reference(self) -> str:
-        effects, scene = self.simulation.effects, self.simulation.scene
-        if not effects.friction:
-            return "closed form of the frictionless contact"
-        if not effects.coupling:
-            return "closed form, which neglects coupling as this run does"
-        if scene.is_decoupled:
-            return "closed form, exact at the Holl ratio"
-        return "closed form, which neglects the coupling of normal and tangential effects: a different problem"
+    def _find_references(self):
+        simulation = self.simulation
+        with simulation.watch("reference"):
+            try:
+                self._reference = reference.of_same_physics(simulation)
+            except reference.NoReference as reason:
+                self._no_reference = f"none: {reason}"
+        if not simulation.scene.has_closed_form and simulation.scene["reference.kind"] != "none":
+            self._neglecting = reference.closed_form(simulation)
 
     def table(self) -> str:
-        """The results beside the closed form, for reading."""
-        contact, loop, scales = self.simulation.contact, self.simulation.loop, self.scales
-        summary = self.summary
-        kind, deviation = "error", summary["errors"]
-        if "differences" in summary:
-            kind, deviation = "difference", summary["differences"]
-        rows = [("contact half-width a [m]", summary["a"], contact.a * scales.length, deviation["a"])]
+        """The results beside the reference, for reading."""
+        summary, lines = self.summary, []
+        if summary["errors"]:
+            lines += self._rows(self._reference, summary["errors"], "error")
+            lines.append(f"reference: {summary['reference']}")
+        else:
+            lines.append(f"no errors: reference {summary['reference']}")
+        if self._neglecting:
+            lines += ["", *self._rows(self._neglecting, summary["differences"], "difference")]
+            lines.append(f"differences from the {summary['differences_from']}")
+        return "\n".join(lines)
+
+    def _rows(self, other, deviation, kind):
+        summary, scales = self.summary, self.scales
+        last = self.simulation.history.entries[-1]
+        left, right = other.contact(last)
+        half_width = (right - left) / 2
+        rows = [("contact half-width a [m]", summary["a"], half_width * scales.length, deviation["a"])]
         if "c" in deviation:
-            rows.append(("stick half-width c/a [-]", summary["c_over_a"], loop.c / loop.a, deviation["c"]))
+            c = other.stick_half_width(last) / half_width
+            rows.append(("stick half-width c/a [-]", summary["c_over_a"], c, deviation["c"]))
         if "dissipated_energy" in deviation:
-            theory = loop.dissipated_energy * scales.energy
-            computed = summary["dissipated_energy"]
-            rows.append(("energy per cycle [J/m]", computed, theory, deviation["dissipated_energy"]))
-        lines = [f"{'':28s}{'computed':>16s}{'closed form':>16s}{'relative ' + kind:>22s}"]
-        lines += [f"{name:28s}{value:16.8g}{theory:16.8g}{d:22.1e}" for name, value, theory, d in rows]
+            name = "energy per cycle [J/m]" if self.simulation.history.has_cycle else "dissipated energy [J/m]"
+            energy = other.dissipated_energy() * scales.energy
+            rows.append((name, summary["dissipated_energy"], energy, deviation["dissipated_energy"]))
+        lines = [f"{'':28s}{'computed':>16s}{other.name[-16:]:>17s}{'relative ' + kind:>21s}"]
+        lines += [f"{name:28s}{value:16.8g}{theirs:17.8g}{d:21.1e}" for name, value, theirs, d in rows]
         for name in ("pressure", "traction", "slip"):
             if f"{name}_l2" in deviation:
-                lines.append(f"{name + ', L2 over the contact, last state':60s}{deviation[name + '_l2']:22.1e}")
-        if summary["errors"] and kind == "difference":
-            lines.append("The closed form neglects the coupling that this run has. Errors against the reference:")
-            lines += [f"{name:60s}{value:22.1e}" for name, value in summary["errors"].items()]
-        lines.append(f"reference: {summary['reference']}")
-        return "\n".join(lines)
+                lines.append(f"{name + ', L2 over the contact, last state':61s}{deviation[name + '_l2']:21.1e}")
+        return lines

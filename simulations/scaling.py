@@ -1,14 +1,17 @@
 """Scaled inside, SI outside: the one place where units enter and leave.
 
-Lengths are divided by the contact half-width ``a``, displacements by ``a^2/R`` and stresses by ``E(a) a/R``, where
-``E(a)`` is the modulus at depth ``a``. What is left of a scene is k, nu, mu and Q_A/(mu P).
+Lengths are divided by the contact half-width ``a``, stresses by ``P/a`` and displacements by ``P/E(a)``, where
+``E(a)`` is the modulus at depth ``a``: inside, a = 1, P = 1 and E(1) = 1.
 """
 
 from dataclasses import dataclass
 
-from analytic import GradedHalfPlane
+from analytic import CylinderContact, GradedHalfPlane, ProfileContact
+from forms.modulus import Modulus
 
+from .indenter import Indenter
 from .scene import Scene
+from .solid import modulus, modulus_at, normal_contact
 
 
 @dataclass(frozen=True)
@@ -22,9 +25,13 @@ class Scales:
     @classmethod
     def of(cls, scene: Scene) -> "Scales":
         """The scales of a scene."""
-        a, R = scene.contact.a, scene["indenter.R"]
-        modulus = scene["solid.E0"] * (a / scene["solid.y0"]) ** scene["solid.k"]
-        return cls(length=a, displacement=a * a / R, stress=modulus * a / R)
+        a = scene.half_width
+        return cls(length=a, displacement=scene.P / modulus_at(scene, a), stress=scene.P / a)
+
+    @property
+    def modulus(self) -> float:
+        """Young's modulus, Pa."""
+        return self.stress * self.length / self.displacement
 
     @property
     def line_load(self) -> float:
@@ -37,6 +44,26 @@ class Scales:
         return self.line_load * self.displacement
 
 
-def scaled_solid(scene: Scene) -> GradedHalfPlane:
-    """The half-plane in these units: E = y^k."""
-    return GradedHalfPlane(E0=1.0, nu=scene["solid.nu"], k=scene["solid.k"], y0=1.0)
+@dataclass(frozen=True)
+class Scaled:
+    """What a scene is in scaled units.
+
+    solid: the half-plane of (1), for a coating the one that it is near the surface; contact: the closed form
+    of the frictionless contact, None for a coating.
+    """
+
+    scales: Scales
+    modulus: Modulus
+    solid: GradedHalfPlane
+    indenter: Indenter
+    contact: CylinderContact | ProfileContact | None
+
+    @classmethod
+    def of(cls, scene: Scene) -> "Scaled":
+        """The scaled scene."""
+        scales = Scales.of(scene)
+        law = modulus(scene, scales.length, scales.modulus)
+        solid = GradedHalfPlane(E0=law.surface_factor, nu=scene["solid.nu"], k=scene.k, y0=1.0)
+        indenter = scene.indenter.scaled(scales.length, scales.displacement)
+        contact = normal_contact(solid, indenter, 1.0) if scene.is_power_law else None
+        return cls(scales, law, solid, indenter, contact)

@@ -5,10 +5,15 @@ import json
 import tomllib
 from dataclasses import dataclass
 from functools import cached_property
-from math import inf, isfinite
+from math import isfinite
 from typing import Any
 
-from analytic import CylinderContact, GradedHalfPlane
+from analytic import CylinderContact, GradedHalfPlane, ProfileContact
+
+from . import effects
+from .indenter import Indenter, from_scene
+from .language import Key, SceneError
+from .solid import equivalent_half_width, normal_contact
 
 DEFAULT_SCENE = """\
 title = "Figure 11b: positive in-depth grading at the Holl ratio"
@@ -26,74 +31,34 @@ amplitude = 0.9       # Q_A/(mu P)
 cycles = 1
 """
 
-
-class SceneError(ValueError):
-    """A scene or command line that cannot be run; the message is one line for the user."""
-
-
-@dataclass(frozen=True)
-class Key:
-    """One key of the language: allowed range (open unless ``closed``), default (None: required)."""
-
-    low: float = -inf
-    high: float = inf
-    default: Any = None
-    kind: type = float
-    closed: tuple[bool, bool] = (False, False)
-    word: str | None = None  # a word that may stand for the number
-    choices: tuple[str, ...] = ()  # of a text
-
-    @property
-    def allowed(self) -> str:
-        """What may be written, in words."""
-        if self.kind is str:
-            return " or ".join(map(json.dumps, self.choices)) or "a text"
-        left, right = ("[" if self.closed[0] else "]"), ("]" if self.closed[1] else "[")
-        if self.kind is bool:
-            return "true or false"
-        kind = "an integer" if self.kind is int else "a number"
-        word = f' or "{self.word}"' if self.word else ""
-        return f"{kind} in {left}{self.low:g}, {self.high:g}{right}{word}"
-
-    def read(self, name: str, value):
-        """``value`` as this key's type, or SceneError naming key, value and what is allowed."""
-        if self.kind is str:
-            if isinstance(value, str) and (not self.choices or value in self.choices):
-                return value
-            raise SceneError(f"{name} = {value!r} is not allowed: {self.allowed}")
-        if self.kind is bool:
-            if isinstance(value, bool):
-                return value
-            raise SceneError(f"{name} = {value!r} is not allowed: {self.allowed}")
-        if self.word and value == self.word:
-            return value
-        number = isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) < 1e308
-        if number and self.kind is int:
-            number = value == int(value) if isfinite(value) else False
-        above = number and (value >= self.low if self.closed[0] else value > self.low)
-        below = number and (value <= self.high if self.closed[1] else value < self.high)
-        if not (number and isfinite(value) and above and below):
-            raise SceneError(f"{name} = {value!r} is not allowed: {self.allowed}")
-        return self.kind(value)
-
-
-LANGUAGE: dict[str, Key] = {
+OWN_KEYS: dict[str, Key] = {
     "title": Key(kind=str, default=""),
-    "solid.E0": Key(0.0),
+    "solid.modulus": Key(
+        kind=str,
+        default="power law",
+        choices=("power law", "homogeneous", "power-law coating", "linear", "exponential"),
+    ),
+    "solid.E0": Key(0.0),  # at depth y0; on the surface where there is no y0
+    "solid.nu": Key(-1.0, 0.5, word="holl", closed=(False, True)),
     "solid.k": Key(-1.0, 1.0),
-    "solid.nu": Key(-1.0, 0.5, word="holl"),
     "solid.y0": Key(0.0),
     "solid.y0_over_a0": Key(0.0),
+    "solid.E_substrate": Key(0.0),
+    "solid.thickness": Key(0.0),
+    "solid.thickness_over_a0": Key(0.0),
+    "indenter.profile": Key(
+        kind=str, default="parabola", choices=("parabola", "circle", "power", "rounded flat", "formula")
+    ),
     "indenter.R": Key(0.0),
+    "indenter.exponent": Key(1.0, 20.0, closed=(False, True)),  # f = R (|x|/R)^m / m
+    "indenter.flat": Key(0.0),  # half-width
+    "indenter.formula": Key(kind=str),  # f(x) for x >= 0, m
     "load.P": Key(0.0),
     "load.mu": Key(1e-6, 100.0, closed=(True, True)),
     "load.amplitude": Key(1e-6, 1.0, closed=(True, False)),
     "load.cycles": Key(0, 1000, 1, int, (True, True)),  # 0: stop at +Q_A
-    # what is simulated; friction is on where there is a tangential load
-    "effects.friction": Key(kind=bool, default=True),
-    "effects.coupling": Key(kind=bool, default=True),
-    "effects.friction_in_normal_stage": Key(kind=bool, default=False),
-    # cell sizes in contact half-widths a
+    "load.points": Key(kind=list),  # [P, Q] in N/m, instead of P, amplitude and cycles
+    # cell sizes in contact half-widths a; extent in those, or coating thicknesses where that is more
     "mesh.facet": Key(1e-3, 0.5, 0.025, closed=(True, True)),
     "mesh.edge_facet": Key(1e-6, 0.5, 1e-3, closed=(True, True)),
     "mesh.growth": Key(1.02, 3.0, 1.3, closed=(True, True)),
@@ -102,19 +67,41 @@ LANGUAGE: dict[str, Key] = {
     "mesh.extent": Key(4.0, 1e4, 20.0, closed=(True, True)),
     "solver.method": Key(kind=str, default="condensed", choices=("condensed", "full")),
     "solver.normal_increments": Key(1, 1000, 20, int, (True, True)),  # with friction in the normal stage
-    "solver.increments": Key(1, 1000, 6, int, (True, True)),  # per quarter cycle
+    "solver.increments": Key(1, 1000, 6, int, (True, True)),  # per quarter cycle, or from point to point
     "solver.gamma0": Key(1e-3, 1e6, 10.0, closed=(True, True)),
     "solver.theta": Key(-1.0, 1.0, 0.0, closed=(True, True)),
-    # what a coupled run is compared with besides the closed form: "auto" is the solver that has its physics
-    "reference.kind": Key(kind=str, default="auto", choices=("auto", "closed form")),
+    # what a run is compared with: "auto" is what has its physics
+    "reference.kind": Key(kind=str, default="auto", choices=("auto", "closed form", "half-plane", "none")),
+}
+Y0, THICKNESS = ("solid.y0", "solid.y0_over_a0"), ("solid.thickness", "solid.thickness_over_a0")  # one of each two
+NEEDED = {  # by choice: keys that are needed, and allowed, with it alone; a tuple inside stands for one of its keys
+    "solid.modulus": {
+        "power law": ("solid.k", Y0),
+        "homogeneous": (),
+        "power-law coating": ("solid.k", Y0, THICKNESS),
+        "linear": ("solid.E_substrate", THICKNESS),
+        "exponential": ("solid.E_substrate", THICKNESS),
+    },
+    "indenter.profile": {
+        "parabola": ("indenter.R",),
+        "circle": ("indenter.R",),
+        "power": ("indenter.R", "indenter.exponent"),
+        "rounded flat": ("indenter.R", "indenter.flat"),
+        "formula": ("indenter.formula",),
+    },
 }
 TANGENTIAL = ("load.mu", "load.amplitude", "load.cycles")  # not in a scene without friction
-ALTERNATIVES = ("solid.y0", "solid.y0_over_a0")  # exactly one of the two
+INSTEAD_OF_POINTS = ("load.P", "load.amplitude", "load.cycles")
+
+
+def language() -> dict[str, Key]:
+    """Every key."""
+    return OWN_KEYS | effects.keys()
 
 
 @dataclass(frozen=True)
 class Scene:
-    """A checked scene. ``values`` holds every key of LANGUAGE, resolved to numbers in SI units."""
+    """A checked scene. ``values`` holds the keys that apply to it, resolved to numbers in SI units."""
 
     values: dict[str, Any]
 
@@ -125,25 +112,68 @@ class Scene:
         """The keys of one table, without its name."""
         return {key.partition(".")[2]: v for key, v in self.values.items() if key.startswith(name + ".")}
 
-    @cached_property
-    def solid(self) -> GradedHalfPlane:
-        v = self.values
-        return GradedHalfPlane(E0=v["solid.E0"], nu=v["solid.nu"], k=v["solid.k"], y0=v["solid.y0"])
+    @property
+    def friction(self) -> bool:
+        """True with a tangential problem."""
+        return self["effects.friction"]
+
+    @property
+    def is_loop(self) -> bool:
+        """True for the fretting programme, to Q_A and then cycles, at constant P."""
+        return self.friction and "load.points" not in self.values
+
+    @property
+    def P(self) -> float:
+        """Largest normal line load, N/m."""
+        return max(P for P, _ in self["load.points"]) if "load.points" in self.values else self["load.P"]
+
+    @property
+    def k(self) -> float:
+        """Exponent of the modulus on the surface."""
+        return self.values.get("solid.k", 0.0) if self["effects.grading"] else 0.0
+
+    @property
+    def is_power_law(self) -> bool:
+        """True where (1) holds at every depth, with k = 0 too."""
+        return self["solid.modulus"] in ("power law", "homogeneous") or not self["effects.grading"]
 
     @cached_property
-    def contact(self) -> CylinderContact:
-        """Closed form of the normal contact, (42)-(46)."""
-        return CylinderContact(self.solid, R=self["indenter.R"], P=self["load.P"])
+    def solid(self) -> GradedHalfPlane:
+        """The half-plane of (1); for a coating, the one that it is near the surface."""
+        y0 = self.values.get("solid.y0", 1.0)
+        return GradedHalfPlane(E0=self["solid.E0"], nu=self["solid.nu"], k=self.k, y0=y0)
+
+    @cached_property
+    def indenter(self) -> Indenter:
+        """The profile f(x), m."""
+        return from_scene(self.values)
+
+    @cached_property
+    def contact(self) -> CylinderContact | ProfileContact | None:
+        """Closed form of the frictionless contact under P, (42)-(46) or (5)-(8); None for a coating."""
+        return normal_contact(self.solid, self.indenter, self.P) if self.is_power_law else None
+
+    @cached_property
+    def half_width(self) -> float:
+        """The contact half-width a, m; for a coating an estimate of it."""
+        return self.contact.a if self.contact else equivalent_half_width(self)
+
+    @cached_property
+    def a0(self) -> float:
+        """The contact half-width on a homogeneous half-plane of modulus E0 (57), m."""
+        return normal_contact(GradedHalfPlane(self["solid.E0"], self["solid.nu"], 0.0, 1.0), self.indenter, self.P).a
 
     @property
     def is_decoupled(self) -> bool:
         """True at the Holl ratio, where normal and tangential problem do not see each other."""
-        return abs(self["solid.nu"] * (2.0 + self["solid.k"]) - 1.0) < 1e-9
+        return self.is_power_law and abs(self["solid.nu"] * (2.0 + self.k) - 1.0) < 1e-9
 
     @property
     def has_closed_form(self) -> bool:
         """True where the closed forms describe the same problem: uncoupled, by nature or by choice."""
-        return self.is_decoupled or not (self["effects.friction"] and self["effects.coupling"])
+        if not self.is_power_law or (self.friction and not self.is_loop):
+            return False
+        return self.is_decoupled or not (self.friction and self["effects.coupling"])
 
     def to_toml(self) -> str:
         """The resolved scene as TOML, which can be run again."""
@@ -172,84 +202,148 @@ def flatten(document: dict) -> dict[str, Any]:
 
 def parse(text: str, overrides: tuple[str, ...] = ()) -> Scene:
     """Scene from TOML text and ``key=value`` overrides; SceneError says in one line what is wrong."""
-    given = _toml(text, "the scene")
+    given = _toml(text)
     for override in overrides:
         key, equals, value = override.partition("=")
         if not equals:
             raise SceneError(f"--set {override!r} is not allowed: KEY=VALUE, for instance load.amplitude=0.6")
-        for other in ALTERNATIVES if key.strip() in ALTERNATIVES else ():
-            given.pop(other, None)
+        for pair in (Y0, THICKNESS):
+            for other in pair if key.strip() in pair else ():
+                given.pop(other, None)
         given[key.strip()] = _value(value.strip())
     return resolve(given)
 
 
 def resolve(given: dict[str, Any]) -> Scene:
-    """Scene from flat keys: checks each, fills defaults, turns "holl" and y0_over_a0 into numbers."""
+    """Scene from flat keys: checks each, fills defaults, turns "holl" and multiples of a0 into numbers."""
+    keys = language()
     for name in given:
-        if name not in LANGUAGE:
-            close = difflib.get_close_matches(name, LANGUAGE, n=1)
-            hint = f"did you mean {close[0]}?" if close else "keys are " + ", ".join(LANGUAGE)
+        if name not in keys:
+            close = difflib.get_close_matches(name, keys, n=1)
+            hint = f"did you mean {close[0]}?" if close else "keys are " + ", ".join(keys)
             raise SceneError(f"{name} = {given[name]!r} is not a key of the scene language: {hint}")
-    if sum(name in given for name in ALTERNATIVES) != 1:
-        raise SceneError(f"exactly one of {' and '.join(ALTERNATIVES)} is to be given")
-    if given.get("solver.theta", 0) != 0 and given.setdefault("solver.method", "full") != "full":
-        raise SceneError('solver.theta other than 0 needs solver.method = "full"')
-    if given.get("solver.theta", 0) != 0 and given.get("effects.coupling") is False:
-        raise SceneError(
-            "solver.theta other than 0 needs effects.coupling = true: the pressure held is that of theta = 0"
-        )
-    if "effects.friction" not in given and not any(name in given for name in TANGENTIAL):
-        given["effects.friction"] = False
-    left_out = TANGENTIAL if given.get("effects.friction") is False else ()
-    for name in (*left_out, *(["effects.friction_in_normal_stage"] if left_out else [])):
-        if name in given:
-            raise SceneError(f"{name} = {given[name]!r} is not allowed beside effects.friction = false")
-    if given.get("effects.friction_in_normal_stage") is True and given.get("effects.coupling") is False:
-        raise SceneError("effects.friction_in_normal_stage = true needs effects.coupling = true: that is its subject")
+    given = dict(given)
+    _derive(given)
+    out = _check_combination(given)
     values: dict[str, Any] = {}
-    for name, key in LANGUAGE.items():
-        if name in left_out:
-            continue
+    for name, key in keys.items():
         if name in given:
             values[name] = key.read(name, given[name])
-        elif key.default is not None:
+        elif key.default is not None and name not in out:
             values[name] = key.default
-        elif name not in ALTERNATIVES:
-            raise SceneError(f"{name} is missing: {key.allowed}")
-    scene = Scene(_resolve_words(values))
+    scene = Scene(_resolve_words(values, keys))
     _check_size(scene)
+    effects.Effects(scene)
     return scene
 
 
+def _derive(given: dict[str, Any]):
+    """What follows from other keys: friction from a tangential load, the full method from theta."""
+    if "effects.friction" not in given:
+        points = given.get("load.points")
+        tangential = any(name in given for name in TANGENTIAL)
+        given["effects.friction"] = tangential or bool(isinstance(points, list) and "load.mu" in given)
+    theta = given.get("solver.theta", 0)
+    if theta != 0 and given.setdefault("solver.method", "full") != "full":
+        raise SceneError('solver.theta other than 0 needs solver.method = "full"')
+    if theta != 0 and given.get("effects.coupling") is False:
+        raise SceneError(
+            "solver.theta other than 0 needs effects.coupling = true: the pressure held is that of theta = 0"
+        )
+
+
+def _check_combination(given: dict[str, Any]) -> set[str]:
+    """SceneError for keys that are missing or do not go together; returns those that do not apply."""
+    out: set[str] = set()
+
+    def leave_out(names, beside):
+        for name in names:
+            if name in given:
+                raise SceneError(f"{name} = {given[name]!r} is not allowed beside {beside}")
+        out.update(names)
+
+    def need(names):
+        names = names if isinstance(names, tuple) else (names,)
+        present = [name for name in names if name in given]
+        if not present:
+            allowed = " or ".join(f"{name}: {OWN_KEYS[name].allowed}" for name in names)
+            raise SceneError(f"{names[0]} is missing: {allowed.removeprefix(names[0] + ': ')}")
+        if len(present) > 1:
+            raise SceneError(f"exactly one of {' and '.join(names)} is to be given")
+
+    need("solid.E0")
+    need("solid.nu")
+    for choice, by_value in NEEDED.items():
+        value = OWN_KEYS[choice].read(choice, given.get(choice, OWN_KEYS[choice].default))
+        mine = [(n,) if isinstance(n, str) else n for n in by_value[value]]
+        for names in mine:
+            need(names if len(names) > 1 else names[0])
+        everything = {m for names in by_value.values() for n in names for m in ((n,) if isinstance(n, str) else n)}
+        optional = {"indenter.R"} if value == "formula" else set()
+        leave_out(sorted(everything - {n for names in mine for n in names} - optional), f'{choice} = "{value}"')
+    if "load.points" in given:
+        leave_out(INSTEAD_OF_POINTS, "load.points")
+    else:
+        need("load.P")
+    if given["effects.friction"] is False:
+        leave_out((*TANGENTIAL, "effects.friction_in_normal_stage"), "effects.friction = false")
+    else:
+        need("load.mu")
+        if "load.points" not in given:
+            need("load.amplitude")
+    return out
+
+
+def _resolve_words(values: dict[str, Any], keys) -> dict[str, Any]:
+    if values["solid.nu"] == "holl":
+        k = values.get("solid.k", 0.0)
+        if k < 0 or values["solid.modulus"] not in ("power law", "homogeneous"):
+            raise SceneError(f'solid.nu = "holl" is not allowed: needs a power law with k >= 0, here k = {k:g}')
+        values["solid.nu"] = GradedHalfPlane.holl_ratio(k)
+    for length, ratio in (Y0, THICKNESS):
+        if ratio in values:
+            values[length] = values.pop(ratio) * _fitting(Scene(values), "a0")
+    return {name: values[name] for name in keys if name in values}
+
+
 def _check_size(scene: Scene):
-    """SceneError where the numbers, each allowed, make a contact that no computer number can hold."""
+    """SceneError where the numbers, each allowed, make a contact that does not exist or that no float holds."""
+    a = _fitting(scene, "half_width")
+    defect = scene.indenter.defect(1.5 * a)
+    if defect:
+        profile = scene["indenter.profile"]
+        key, value = ("formula", scene["indenter.formula"]) if profile == "formula" else ("profile", profile)
+        raise SceneError(f'indenter.{key} = "{value}" is not allowed: {defect}')
+    if "load.points" in scene.values:
+        _check_points(scene["load.points"], scene.values.get("load.mu"))
+
+
+def _fitting(scene: Scene, size: str) -> float:
     try:
-        sizes = scene.contact.a, scene["solid.y0"], scene.contact.peak_pressure
+        value = getattr(scene, size)
+        pressure = scene.P / value
     except (ArithmeticError, ValueError) as error:
         raise SceneError(f"the scene's numbers do not fit together: {error}") from None
-    if not all(isfinite(size) and size > 0 for size in sizes):
-        raise SceneError(f"the scene's numbers do not fit together: a, y0, p(0) = {', '.join(f'{s:g}' for s in sizes)}")
+    if not all(isfinite(v) and v > 0 for v in (value, pressure)):
+        raise SceneError(f"the scene's numbers do not fit together: {size} = {value:g} m, P/a = {pressure:g} Pa")
+    return value
 
 
-def _resolve_words(values: dict[str, Any]) -> dict[str, Any]:
-    k = values["solid.k"]
-    if values["solid.nu"] == "holl":
-        if k <= 0:
-            raise SceneError(f'solid.nu = "holl" is not allowed: at k = {k:g} the Holl ratio is not below 1/2')
-        values["solid.nu"] = GradedHalfPlane.holl_ratio(k)
-    ratio = values.pop("solid.y0_over_a0", None)
-    if ratio is not None:
-        # a0 does not depend on k and y0: any solid of this E0 and nu has it
-        solid = GradedHalfPlane(E0=values["solid.E0"], nu=values["solid.nu"], k=0.0, y0=1.0)
-        values["solid.y0"] = ratio * CylinderContact(solid, R=values["indenter.R"], P=values["load.P"]).a0
-    return {name: values[name] for name in LANGUAGE if name in values}
+def _check_points(points, mu):
+    if mu is None and any(Q for _, Q in points):
+        raise SceneError(f"load.mu is missing: load.points has Q; {OWN_KEYS['load.mu'].allowed}")
+    if points[0][1] != 0:
+        raise SceneError(f"load.points = {points!r} is not allowed: the first point has Q = 0")
+    for P, Q in points:
+        if Q and abs(Q) >= mu * P:
+            raise SceneError(f"load.points = {points!r} is not allowed: |Q| < mu P, here P = {P:g}, Q = {Q:g}")
 
 
-def _toml(text: str, what: str) -> dict[str, Any]:
+def _toml(text: str) -> dict[str, Any]:
     try:
         return flatten(tomllib.loads(text))
     except tomllib.TOMLDecodeError as error:
-        raise SceneError(f"{what} is not TOML: {error}") from None
+        raise SceneError(f"the scene is not TOML: {error}") from None
 
 
 def _value(text: str):

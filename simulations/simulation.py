@@ -3,82 +3,85 @@
 from collections.abc import Iterator
 from functools import cached_property
 
-from analytic import CylinderContact, FrettingLoop, point_force_displacement
-from forms.modulus import PowerLaw
+from analytic import GradedHalfPlane, point_force_displacement
 
+from .body import HalfPlane, X, Y
 from .condensed import Compliance, CondensedSystem
+from .edges import expected_edges
 from .effects import Effects
 from .full import FullSystem
 from .history import Entry, History
-from .mesh import STRIP, Grading, columns, half_plane, layers
+from .mesh import Grading, columns, half_plane, layers
 from .observables import SurfaceSampler
-from .problem import ContactProblem, HalfPlane, Nitsche, X, Y
-from .programme import LoadProgramme, SolveError, pressing, rocking
-from .scaling import Scales, scaled_solid
+from .problem import ContactProblem, Nitsche
+from .programme import LoadProgramme, SolveError, pressing, rocking, visiting
+from .scaling import Scaled
 from .scene import Scene
 from .timing import Stopwatch
 
-
-def dimensionless_contact(scene: Scene) -> CylinderContact:
-    """The closed-form normal contact of a scene in scaled units: a = 1, R = 1, E = y^k."""
-    P = scene["load.P"] / Scales.of(scene).line_load
-    return CylinderContact(scaled_solid(scene), R=1.0, P=P)
-
-
-def grading(scene: Scene, contact: CylinderContact, loop: FrettingLoop | None) -> Grading:
-    """Cell sizes of a scene, graded to the contact and stick edges that the closed form expects."""
-    edges = (contact.a,) if loop is None else (loop.c, contact.a)
-    return Grading(edges=(*(-e for e in reversed(edges)), *edges), **scene.section("mesh"))
-
-
-def parabola(x):
-    """The cylinder (41) in scaled units, f = x²/2."""
-    return x**2 / 2
+CORNERS = 3  # loads on the way to +Q_A at which a rough solution finds the edges that the mesh is graded to
 
 
 class Simulation:
     """A scene on a communicator, ready to run.
 
     ``history`` grows by one entry an increment while ``run`` is iterated; ``body`` then carries that entry's fields.
-    ``contact`` and ``loop`` are the closed forms in scaled units; ``watch`` has the seconds spent in each phase.
+    ``contact`` and ``loop`` are the closed forms in scaled units, None where there are none; ``watch`` has the seconds
+    spent in each phase.
     """
 
     def __init__(self, comm, scene: Scene, cells: Grading | None = None):
         self.scene, self.effects, self.watch = scene, Effects(scene), Stopwatch()
-        self.contact = dimensionless_contact(scene)
+        self.scaled = Scaled.of(scene)
+        self.contact, self.mu = self.scaled.contact, scene["load.mu"] if scene.friction else 0.0
         self.loop = None
-        if self.effects.friction:
-            self.loop = self.contact.fretting(mu=scene["load.mu"], z=1.0 - scene["load.amplitude"])
+        if scene.is_loop and self.contact:
+            self.loop = self.contact.fretting(mu=self.mu, z=1.0 - scene["load.amplitude"])
+        self.programme = self._programme()
         with self.watch("mesh"):
-            modulus = PowerLaw(scene["solid.k"])
-            cells = cells or grading(scene, self.contact, self.loop)
-            x = columns(cells)
-            if self.effects.symmetry:
+            self.cells = cells or comm.bcast(self._grading() if comm.rank == 0 else None)
+            law = self.scaled.modulus
+            x = columns(self.cells)
+            if "symmetry" in self.effects:
                 middle = len(x) // 2
                 x = x[middle:] - x[middle]
-            mesh, facets = half_plane(comm, x, layers(cells, modulus.depth_map()))
+            mesh, facets = half_plane(comm, x, layers(self.cells, law.depth_map(), law.thickness))
         with self.watch("forms"):  # compiles them the first time
-            self.body = HalfPlane(mesh, facets, modulus, scene["solid.nu"], self._far_field(cells.extent))
+            self.body = HalfPlane(
+                mesh,
+                facets,
+                law,
+                scene["solid.nu"],
+                self._far_field(),
+                self.cells.strip,
+                "incompressibility" in self.effects,
+                self.effects.works(scene, self.scaled.scales),
+            )
             nitsche = Nitsche(scene["solver.gamma0"], scene["solver.theta"])
-            normal = ContactProblem(self.body, parabola, nitsche, (Y,))
+            indenter = self.scaled.indenter
+            normal = ContactProblem(self.body, indenter.height, nitsche, (Y,))
             frictional = None
-            if self.effects.friction:
-                directions = (X, Y) if self.effects.coupling else (X,)
-                frictional = ContactProblem(self.body, parabola, nitsche, directions)
-        mu = self.loop.mu if self.loop else 0.0
-        first = self.effects.friction_in_normal_stage
-        self.solver = LoadProgramme(normal, frictional, self._system, mu, first)
-        self.body.delta.value[Y] = 0.5  # overlap on |x| < a: where Newton starts
+            if scene.friction:
+                directions = (X, Y) if "coupling" in self.effects else (X,)
+                frictional = ContactProblem(self.body, indenter.height, nitsche, directions)
+        self.solver = LoadProgramme(
+            normal, frictional, self._system, self.mu, "friction in normal stage" in self.effects
+        )
+        self.body.delta.value[Y] = indenter.height(1.0)  # overlap on |x| < a: where Newton starts
         self.sampler = SurfaceSampler(self.body, normal)
-        self.history = History(k=scene["solid.k"], mu=mu)
-        self.programme = self._programme()
+        self.history = History(k=scene.k, mu=self.mu)
 
     def _programme(self):
-        scene, P = self.scene, self.contact.P
-        if self.loop is None:
-            return pressing(P)
-        stage = pressing(P, scene["solver.normal_increments"] if self.effects.friction_in_normal_stage else 1)
-        return stage + rocking(P, self.loop.Q_A, scene["load.cycles"], scene["solver.increments"])
+        scene = self.scene
+        steps = scene["solver.normal_increments"] if "friction in normal stage" in self.effects else 1
+        if "load.points" in scene.values:
+            points = [(P / scene.P, Q / scene.P) for P, Q in scene["load.points"]]
+            first, *rest = points
+            return pressing(first[0], steps) + visiting(first, rest, scene["solver.increments"])
+        if not scene.friction:
+            return pressing(1.0)
+        Q_A = scene["load.amplitude"] * self.mu
+        return pressing(1.0, steps) + rocking(1.0, Q_A, scene["load.cycles"], scene["solver.increments"])
 
     def run(self) -> Iterator[Entry]:
         """Solve increment after increment; SolveError where one fails."""
@@ -90,8 +93,23 @@ class Simulation:
                 return
             state = self.sampler.sample(self.solver.problem)
             if state.pressure[0] > 0 or state.pressure[-1] > 0:
-                raise SolveError(f"the contact reaches the end of the strip |x| < {STRIP} a in which it is looked for")
+                strip = f"|x| < {self.cells.strip:.3g} a"
+                raise SolveError(f"the contact reaches the end of the strip {strip} in which it is looked for")
             yield self.history.append(outcome, state, self.watch.last)
+
+    def _grading(self) -> Grading:
+        """Cell sizes of the scene, graded to where contact and stick zone are expected to end."""
+        scene = self.scene
+        if scene.is_loop:
+            Q_A = scene["load.amplitude"] * self.mu
+            loads = [(1.0, Q_A * i / CORNERS) for i in range(CORNERS + 1)]
+        else:
+            loads = [(increment.P, increment.Q) for increment in self.programme]
+        edges = expected_edges(scene, self.scaled, self.loop, self.effects, loads)
+        sizes = scene.section("mesh")
+        if not scene.is_power_law:
+            sizes["extent"] *= max(1.0, self.scaled.modulus.thickness)
+        return Grading(edges=tuple(sorted({*edges, *(-e for e in edges)})), **sizes)
 
     def _system(self, problem):
         if self.scene["solver.method"] == "full":
@@ -102,8 +120,12 @@ class Simulation:
     def _compliance(self):
         return Compliance(self.body)
 
-    def _far_field(self, extent):
-        solid = scaled_solid(self.scene)
+    def _far_field(self):
+        """Displacement of line loads: far away a coating is not seen."""
+        solid, extent = self.scaled.solid, self.cells.extent
+        if not self.scene.is_power_law:
+            below = self.scaled.modulus.young(extent)
+            solid = GradedHalfPlane(E0=float(below), nu=solid.nu, k=0.0, y0=1.0)
         fixed_depth = None if solid.k > 0 else extent
 
         def displacement(x, y, **load):

@@ -4,6 +4,7 @@ from conftest import coarse_overrides
 from mpi4py import MPI
 
 from simulations.comparison import compare
+from simulations.reference import closed_form
 from simulations.scene import DEFAULT_SCENE, parse
 from simulations.simulation import Simulation
 
@@ -23,4 +24,4 @@ def solved(text=DEFAULT_SCENE, cells=None, **changes) -> Simulation:
 
 def deviations(simulation: Simulation) -> dict[str, float]:
     """Deviations of a finished simulation from its closed forms."""
-    return compare(simulation.history, simulation.contact, simulation.loop)
+    return compare(simulation.history, closed_form(simulation))

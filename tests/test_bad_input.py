@@ -3,12 +3,13 @@
 import pytest
 from conftest import run_command
 
-from simulations.scene import DEFAULT_SCENE, SceneError, parse
+from simulations.language import SceneError
+from simulations.scene import DEFAULT_SCENE, parse
 
 WRONG = {
     "misspelt key": (("--set", "load.amplitud=0.5"), ("load.amplitud", "did you mean load.amplitude?")),
     "k": (("--set", "solid.k=1.2"), ("solid.k = 1.2", "]-1, 1[")),
-    "nu": (("--set", "solid.nu=0.6"), ("solid.nu = 0.6", "]-1, 0.5[")),
+    "nu": (("--set", "solid.nu=0.6"), ("solid.nu = 0.6", "]-1, 0.5]")),
     "negative P": (("--set", "load.P=-1e6"), ("load.P = -1000000.0", "]0, inf[")),
     "amplitude": (("--set", "load.amplitude=1.0"), ("load.amplitude = 1.0", "[1e-06, 1[")),
     "not a number": (("--set", "load.mu=high"), ("load.mu = 'high'", "a number")),

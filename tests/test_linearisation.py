@@ -7,9 +7,10 @@ from mpi4py import MPI
 
 from simulations.condensed import Compliance, CondensedSystem
 from simulations.full import FullSystem
-from simulations.problem import ContactProblem, Nitsche, X, Y
+from simulations.body import X, Y
+from simulations.problem import ContactProblem, Nitsche
 from simulations.scene import DEFAULT_SCENE, parse
-from simulations.simulation import Simulation, parabola
+from simulations.simulation import Simulation
 
 STEP = 1e-7
 
@@ -61,7 +62,8 @@ def test_condensed_system(partly_slipping, friction):
 
 def perturbed_problem(simulation, friction, theta, all_stick):
     """A problem on the body whose anchor and friction make some points stick and some slide."""
-    problem = ContactProblem(simulation.body, parabola, Nitsche(gamma0=3.0, theta=theta), (X, Y) if friction else (Y,))
+    nitsche, directions = Nitsche(gamma0=3.0, theta=theta), (X, Y) if friction else (Y,)
+    problem = ContactProblem(simulation.body, simulation.scaled.indenter.height, nitsche, directions)
     if friction:
         problem.mu.value = simulation.scene["load.mu"]
         problem.release()

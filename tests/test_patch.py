@@ -5,19 +5,20 @@ import pytest
 from mpi4py import MPI
 
 from forms.modulus import PowerLaw
+from simulations.body import HalfPlane, X, Y
 from simulations.condensed import Compliance, CondensedSystem
 from simulations.full import FullSystem
 from simulations.mesh import half_plane
 from simulations.newton import Newton
 from simulations.observables import SurfaceSampler
-from simulations.problem import ContactProblem, HalfPlane, Nitsche, X, Y
+from simulations.problem import ContactProblem, Nitsche
 
 WIDTH, DEPTH, NU = 2.0, 1.5, 0.3
 
 
 def confined_block(k):
     """A block on a rigid base, sides guided, whose exact u under uniform p = P/WIDTH, q = Q/WIDTH is linear in y^(1-k)."""
-    modulus = PowerLaw(k)
+    modulus = PowerLaw.of(k)
     depth = modulus.depth_map()
     constrained = (1 - NU) / ((1 + NU) * (1 - 2 * NU))
     shear = 1 / (2 * (1 + NU))
@@ -28,7 +29,7 @@ def confined_block(k):
 
     x = np.array([-1.0, -0.7, -0.2, 0.1, 0.6, 1.0])
     mesh, facets = half_plane(MPI.COMM_SELF, x, depth.s(DEPTH) * np.array([0.0, 0.1, 0.3, 1.0]))
-    return HalfPlane(mesh, facets, modulus, NU, exact), exact
+    return HalfPlane(mesh, facets, modulus, NU, exact, strip=WIDTH), exact
 
 
 def press(body, friction, load, method):
