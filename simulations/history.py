@@ -34,6 +34,16 @@ class Entry:
         return float(self.stick[1] - self.stick[0]) / 2
 
 
+def frictional_work(before: SurfaceState, after: SurfaceState) -> float:
+    """Energy dissipated in an increment:  -∫ q Δs dx  with the mean of the pressures before and after in q = ±mu p.
+
+    A point slides at its limit, however late in the increment it began to; only the limit may change meanwhile.
+    """
+    moved = after.relative_displacement - before.relative_displacement
+    pressure = np.where(after.pressure > 0, after.pressure, np.inf)
+    return -after.line_load(after.traction * moved * (1 + before.pressure / pressure) / 2)
+
+
 @dataclass
 class History:
     """Entries of a run so far. k and mu are the grading and the coefficient of friction (0: no tangential problem)."""
@@ -51,8 +61,7 @@ class History:
             stick = stick_edges(surface, self.mu, increment.direction, self.k)
         if self.entries:
             before = self.entries[-1]
-            moved = s - before.surface.relative_displacement
-            dissipated = before.dissipated - surface.line_load(surface.traction * moved)
+            dissipated = before.dissipated + frictional_work(before.surface, surface)
         if increment.branch == "normal":
             self._rest = s
         entry = Entry(

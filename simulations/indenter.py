@@ -99,7 +99,7 @@ def from_scene(values) -> Indenter:
         return Indenter(R * (x / R) ** (int(m) if m == int(m) else m) / m)
     if kind == "rounded flat":
         return Indenter(x**2 / (2 * R), flat=values["indenter.flat"])
-    return Indenter(read_formula("indenter.shape", values["indenter.shape"], R))
+    return Indenter(read_formula("indenter.formula", values["indenter.formula"], R))
 
 
 def read_formula(key: str, text: str, R: float | None) -> sympy.Expr:

@@ -108,6 +108,9 @@ class Scene:
     def __getitem__(self, key: str):
         return self.values[key]
 
+    def __reduce__(self):  # what it has worked out stays behind
+        return Scene, (self.values,)
+
     def section(self, name: str) -> dict[str, Any]:
         """The keys of one table, without its name."""
         return {key.partition(".")[2]: v for key, v in self.values.items() if key.startswith(name + ".")}

@@ -19,6 +19,7 @@ from .scaling import Scaled
 from .scene import Scene
 from .timing import Stopwatch
 
+COATED = 5.0  # the far field of a coated body is known less well: it is prescribed that much further away
 CORNERS = 3  # loads on the way to +Q_A at which a rough solution finds the edges that the mesh is graded to
 
 
@@ -108,7 +109,7 @@ class Simulation:
         edges = expected_edges(scene, self.scaled, self.loop, self.effects, loads)
         sizes = scene.section("mesh")
         if not scene.is_power_law:
-            sizes["extent"] *= max(1.0, self.scaled.modulus.thickness)
+            sizes["extent"] *= COATED * max(1.0, self.scaled.modulus.thickness)
         return Grading(edges=tuple(sorted({*edges, *(-e for e in edges)})), **sizes)
 
     def _system(self, problem):
