@@ -50,7 +50,7 @@ def _panel(axis, runs, panel, k, y0_over_a0, quantity):
         computed = convert(getattr(field, quantity), own, units, quantity)
         place, drawn = convert(field.x, own, units, "length"), field.drawn()
         if quantity == "density":  # the stick zone's zeros would lie on one another
-            drawn = drawn[computed[drawn] > 0]
+            drawn = drawn[computed[drawn] > 1e-6 * computed.max()]
         label = rf"$Q = {share:g}\,\mu P$" if quantity == "traction" else rf"$Q_A = {share:g}\,\mu P$"
         axis.plot(place[drawn], computed[drawn], MARKERS[i], color=COLOURS[i], label=label)
         closed = closed_field(normal, normal.fretting(MU, z=1 - share), field.x, share * MU * normal.P, "initial")
