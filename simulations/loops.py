@@ -9,7 +9,7 @@ from analytic.half_plane_increment import ContactNotConverged
 from analytic.half_plane_state import ContactState
 
 # increments per quarter cycle and nodes of the solver; the next pair is tried where one does not converge
-ATTEMPTS = ((4, 100), (6, 120), (9, 150))
+ATTEMPTS = ((4, 100), (4, 130), (5, 110), (7, 100), (10, 100))
 POINTS = 2001  # at which the energy density is summed up
 
 

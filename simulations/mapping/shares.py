@@ -23,8 +23,9 @@ def simulate_all(comm, store: Store, points: list[Point], tell: Callable[[str], 
         try:
             done[point] = by_simulation(point)
         except ContactNotConverged as failure:
-            done[point] = str(failure)
-        store.keep(point, done[point])
+            done[point] = str(failure)  # not kept: another run tries again
+        else:
+            store.keep(point, done[point])
         if number % 10 == 0 or number == len(mine):
             tell(f"{number}/{len(mine)} loops of rank {comm.rank} done")
     for part in comm.allgather(done):
