@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from .command import Parser, comm, on_root, run, say, writable
-from .paper.claim import table
+from .paper.claim import minus_signs, table
 from .paper.claims_coupling import SMALL, coupling_claims, cycle_claims, difference, difference_table, differences
 from .paper.claims_theory import theory_claims
 from .paper.comparisons import COUPLED
@@ -58,7 +58,7 @@ def friction_line() -> str:
     found = [difference(COUPLED.k, COUPLED.nu, mu) for mu in FRICTION]
     words = [f"μ = {d.mu:g}: {d.slip:.1%} / {d.traction:.1%} / {d.energy:+.1%}" for d in found if d is not None]
     text = f"\nThe difference in slip and traction grows with μ, that in energy hardly does: at {COUPLED.name}, "
-    return text + "; ".join(words).replace("-", "−") + ".\n"
+    return minus_signs(text + "; ".join(words)) + ".\n"
 
 
 def read(arguments: list[str]) -> Path | None:

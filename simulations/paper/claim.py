@@ -1,5 +1,6 @@
 """A sentence of the paper, our number for it, and whether it holds."""
 
+import re
 from dataclasses import dataclass, field
 
 HOLDS, IN_PART, FAILS, OPEN = "holds", "holds in part", "does not hold", "not checked"
@@ -17,7 +18,12 @@ class Claim:
 
     def row(self) -> str:
         """A row of a Markdown table."""
-        return f"| {self.place} | {self.sentence} | {self.found} | {self.verdict} |"
+        return minus_signs(f"| {self.place} | {self.sentence} | {self.found} | {self.verdict} |")
+
+
+def minus_signs(text: str) -> str:
+    """Hyphens in front of numbers as minus signs; those of exponents and of words stay."""
+    return re.sub(r"(?<!\w)-(?=\d)", "−", text)
 
 
 def table(claims: list[Claim]) -> str:

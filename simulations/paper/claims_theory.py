@@ -132,7 +132,7 @@ def _against_depth(panel, k, words, sign):
     return Claim(
         f"5.2, Fig. 8{panel}",
         words,
-        f"ΔW ∝ y0^{power:.3f} at k = {k:g} for every Q_A (exponent 2k/(2+k))".replace("-", "−"),
+        f"ΔW ∝ (y0)^({power:.3f}) at k = {k:g} for every Q_A (exponent 2k/(2+k))",
         verdict(holds and abs(power - 2 * k / (2 + k)) < 1e-9),
         {"power": power},
     )
