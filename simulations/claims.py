@@ -15,12 +15,13 @@ FRICTION = (0.1, 0.3, 0.6)  # coefficients for which the paper's coupled pair is
 INTRODUCTION = f"""\
 # The paper's sentences, checked
 
-Sentences of Sections 4 and 5 of Heß, Giesa, Riechert, Wilhayn, Appl. Sci. 2026, 16(1), 473 that a number can decide. Made by
+Sentences of Sections 4 and 5 of Heß, Giesa, Riechert, Wilhayn, Appl. Sci. 2026, 16(1), 473 that a number can
+decide. Made by
 
     python -m simulations.claims --page docs/claims.md
 
-The paper gives no ν for Figures 4–9 and no μ: ν = {NU:g} and μ = {MU:g} unless said otherwise. "Well", "minor", "marginal" and
-"can be neglected" are taken as a difference of at most {SMALL:.0%}.
+The paper gives no ν for Figures 4–9 and no μ: ν = {NU:g} and μ = {MU:g} unless said otherwise. "Well", "minor",
+"marginal" and "can be neglected" are taken as a difference of at most {SMALL:.0%}.
 
 ## By the closed forms, and through the cycle
 
@@ -29,10 +30,11 @@ COUPLING = "\n## Coupling, by simulation\n\n"
 OVER_NU = f"""
 ## How much the neglected coupling matters
 
-Difference of a simulation with coupling from the closed forms, in per cent: slip (L2 over the contact, at the first +Q_A) /
-traction (likewise) / energy of the second cycle (signed). Q_A = {AMPLITUDE:g} μP, μ = {MU:g}; y0 does not matter, as a power law has
-no length of its own. Mesh-free solver, `analytic/half_plane.py`; the finite elements agree at the paper's pairs, above. A dash:
-no convergence. The difference vanishes at the Holl ratio, ν = 1/(2+k): 0.5 at k = 0, 0.43 at 0.3, 0.4 at 0.5.
+Difference of a simulation with coupling from the closed forms, in per cent: slip (L2 over the contact, at the first
++Q_A) / traction (likewise) / energy of the second cycle (signed). Q_A = {AMPLITUDE:g} μP, μ = {MU:g}; y0 does not
+matter, as a power law has no length of its own. Mesh-free solver, `analytic/half_plane.py`; the finite elements agree
+at the paper's pairs, above. A dash: no convergence. The difference vanishes at the Holl ratio, ν = 1/(2+k): 0.5 at k
+= 0, 0.43 at 0.3, 0.4 at 0.5.
 
 """
 

@@ -32,7 +32,7 @@ def main(arguments: list[str]):
         rows = -(-len(shown) // columns)
         note = "von Mises stress of plane strain at cell centres, from fields.xdmf; depth downwards."
         figure, axes = panels(columns, "Stress in the body through the cycle", note, rows, width=4.2, height=2.6)
-        for axis, state in zip(axes.flat, shown):
+        for axis, state in zip(axes.flat, shown, strict=False):
             filled = draw(axis, state, a, scale)
         for axis in axes.flat[len(shown) :]:
             axis.set_visible(False)

@@ -110,10 +110,11 @@ Figures 4–11 of Heß, Giesa, Riechert, Wilhayn, Appl. Sci. 2026, 16(1), 473, m
 
     python -m simulations.figures all --output docs/figures --page docs/figures.md
 
-Lines are the closed forms, points the finite elements. Where both have the same physics (coupling off, or the Holl ratio
-ν = 1/(2+k)) their distance is an *error*; where the finite elements have the coupling that the closed forms neglect it is a
-*difference*. Distances are taken at all nodes, not only at those drawn. Next to the edge of the contact the pressure ends like
-distance^((1+k)/2), infinitely steep: there the largest error sits, and it is that of a single node.
+Lines are the closed forms, points the finite elements. Where both have the same physics (coupling off, or the Holl
+ratio ν = 1/(2+k)) their distance is an *error*; where the finite elements have the coupling that the closed forms
+neglect it is a *difference*. Distances are taken at all nodes, not only at those drawn. Next to the edge of the
+contact the pressure ends like distance^((1+k)/2), infinitely steep: there the largest error sits, and it is that of a
+single node.
 """
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
 """Fretting loops with coupling by the mesh-free half-plane solver: energy per cycle and its density, quickly."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -48,7 +49,7 @@ class SimulatedLoop:
     def energy_density(self, x) -> np.ndarray:
         """Energy dissipated in the last cycle per area at x (n,) [stress x length]: mu p over the path slipped."""
         density, cycle = np.zeros(len(x)), self.last_cycle
-        for before, after in zip(cycle, cycle[1:]):
+        for before, after in pairwise(cycle):
             pressure = (_at(x, before, before.pressure) + _at(x, after, after.pressure)) / 2
             path = np.abs(np.interp(x, after.x, after.slip) - np.interp(x, before.x, before.slip))
             density += self.mu * pressure * path

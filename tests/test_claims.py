@@ -11,7 +11,7 @@ PAGE = (ROOT / "docs" / "claims.md").read_text(encoding="utf-8")
 
 
 def test_page_holds_the_rows_found_now():
-    """Every row of the closed forms, letter by letter: they have no numbers that depend on the machine but round-off."""
+    """Every row of the closed forms, letter by letter: only round-off depends on the machine."""
     claims = theory_claims()
     assert len(claims) == 15
     for claim in claims:

@@ -77,11 +77,13 @@ def test_uncoupled_points_lie_on_the_curves(runs, number):
     assert {d.kind for d in found} == {"error"}
     assert {d.panel for d in found} == {"a", "b"}
     for deviation in found:
-        assert (deviation.largest if np.isnan(deviation.l2) else deviation.l2) < (0.04 if number == 5 else 0.02), deviation
+        assert (deviation.largest if np.isnan(deviation.l2) else deviation.l2) < (0.04 if number == 5 else 0.02), (
+            deviation
+        )
 
 
 def test_the_papers_pairs(runs):
-    """Error only at the Holl ratio; off it coupling moves the slip by 16 per cent, which a coarse mesh shows as well."""
+    """Error only at the Holl ratio; off it coupling moves the slip by 16 per cent, on a coarse mesh as well."""
     figure, found = comparisons.figure10(runs)
     plt.close(figure)
     by_curve = {d.curve: d for d in found}
@@ -105,7 +107,9 @@ def test_state_a_is_the_end_of_the_first_loading(runs):
 
 
 def test_table_names_command_picture_and_both_kinds():
-    found = {10: [Deviation("b", "one", "slip", "error", 2e-5, 1e-5), Deviation("b", "two", "slip", "difference", 0.2, 0.1)]}
+    found = {
+        10: [Deviation("b", "one", "slip", "error", 2e-5, 1e-5), Deviation("b", "two", "slip", "difference", 0.2, 0.1)]
+    }
     row = lines(found)[-1]
     for word in ("python -m simulations.figures 10", "figure10.png", "error 2.0e-05", "difference 2.0e-01", "(two)"):
         assert word in row

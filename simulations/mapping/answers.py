@@ -41,7 +41,8 @@ def answer(found: dict[Point, Energies], quantity: str, m: float, amplitude: flo
 def table(found: dict[Point, Energies], theory: dict[Point, Energies], m: float, amplitude: float) -> str:
     """Markdown: one row a depth; least (wear) and most (damping) energy and least peak density, theory in brackets."""
     text = (
-        f"Profile |x|^{m:g}, Q_A = {amplitude:g} μP. Exponent k: ratio to the homogeneous contact, with coupling (theory).\n\n"
+        f"Profile |x|^{m:g}, Q_A = {amplitude:g} μP. "
+        "Exponent k: ratio to the homogeneous contact, with coupling (theory).\n\n"
         "| y0/a0 | least energy ΔW (wear) | least peak density w | most energy ΔW (damping) |\n|---|---|---|---|\n"
     )
     for depth in DEPTHS:

@@ -91,5 +91,3 @@ def _bar(figure, filled, axes, label):
 
 def _ratio(value, _=None):
     return f"{value:g}" if value >= 1 else f"1/{1 / value:g}"
-
-

@@ -1,7 +1,7 @@
 """What a map is made of: one fretting loop a point, with what the depth of the grading changes known in advance.
 
-A power law and a power profile f ~ |x|^m have no length of their own. y0 only sets the half-width, a ~ y0^(k/(m+k)), and all
-lengths go with it, slips and energies with a^m: with or without coupling one loop serves every y0.
+A power law and a power profile f ~ |x|^m have no length of their own. y0 only sets the half-width, a ~ y0^(k/(m+k)),
+and all lengths go with it, slips and energies with a^m: with or without coupling one loop serves every y0.
 """
 
 from dataclasses import asdict, dataclass
@@ -35,7 +35,7 @@ class Point:
 
 @dataclass(frozen=True)
 class Energies:
-    """Of one loop at y0 = a0. energy over mu² P a0²/(2R), density (its peak) over mu² P a0/R, where a0²/R = 4(1-nu²)P/(pi E0).
+    """Of one loop at y0 = a0: energy over mu² P a0²/(2R), peak density over mu² P a0/R, a0²/R = 4(1-nu²)P/(pi E0).
 
     These units are the same for every profile: they hold the load and E0 alone.
     """

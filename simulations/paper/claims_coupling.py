@@ -81,9 +81,7 @@ def difference_table(found: list[Difference]) -> str:
     text = "| k, ν | " + " | ".join(f"{nu:g}" for nu in TABLE_NU) + " |\n|---|" + "---|" * len(TABLE_NU) + "\n"
     for k in TABLE_K:
         cells = [
-            "–" if np.isnan(d.slip) else f"{d.slip:.1%} / {d.traction:.1%} / {d.energy:+.1%}"
-            for d in found
-            if d.k == k
+            "–" if np.isnan(d.slip) else f"{d.slip:.1%} / {d.traction:.1%} / {d.energy:+.1%}" for d in found if d.k == k
         ]
         text += f"| {k:g} | " + " | ".join(cells) + " |\n"
     return minus_signs(text.replace("%", ""))
@@ -178,7 +176,7 @@ def coupling_claims(runs: Runs, found: list[Difference]) -> list[Claim]:
         Claim(
             "4",
             "The coupling effects are often so small that they can be neglected",
-            f"slip, traction and energy all within {SMALL:.0%} at {len(small)} of the {len(known)} points (k, ν) below; "
+            f"slip, traction and energy all within {SMALL:.0%} at {len(small)} of the {len(known)} points below; "
             f"at k = {worst.k:g}, ν = {worst.nu:g} slip is off by {worst.slip:.0%}, energy by {worst.energy:+.0%}",
             verdict(len(small) == len(known), bool(small)),
             {"small": float(len(small)), "known": float(len(known))},
@@ -186,8 +184,8 @@ def coupling_claims(runs: Runs, found: list[Difference]) -> list[Claim]:
         Claim(
             "5.3, Fig. 10a",
             "k = −0.1, ν = 0.495: results agree well; coupling can be neglected in this case",
-            f"slip: L2 difference {slip[NEGATIVE]:.1%} (mesh-free {negative.slip:.1%}), traction {negative.traction:.1%}, "
-            f"energy {negative.energy:+.1%}",
+            f"slip: L2 difference {slip[NEGATIVE]:.1%} (mesh-free {negative.slip:.1%}), "
+            f"traction {negative.traction:.1%}, energy {negative.energy:+.1%}",
             verdict(max(slip[NEGATIVE], negative.traction, abs(negative.energy)) <= SMALL),
             {"finite elements": slip[NEGATIVE], "mesh-free": negative.slip, "energy": negative.energy},
         ),

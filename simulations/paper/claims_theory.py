@@ -64,7 +64,9 @@ def _half_widths(place, sentence, depth, negative_larger):
         for k in (-0.5, 0.5)
         for nu in RATIOS
     )
-    text = f"a/a0 = {found[-0.5]:.3f} for k = −0.5, {found[0.5]:.3f} for k = 0.5; the same order for all ν from 0 to 0.5"
+    text = (
+        f"a/a0 = {found[-0.5]:.3f} for k = −0.5, {found[0.5]:.3f} for k = 0.5; the same order for all ν from 0 to 0.5"
+    )
     return Claim(place, sentence, text, verdict(everywhere), {"negative": found[-0.5], "positive": found[0.5]})
 
 
@@ -179,7 +181,8 @@ def thick_exponents() -> Claim:
     shown = bool(np.all(np.diff(list(energy.values())) > 0))
     text = f"k = −0.5 … 0.5, Q_A = 0.9 μP: {', '.join(f'{v:.3f}' for v in energy.values())}; "
     if breaks:
-        text += f"falls with k at {len(breaks)} of {len(ALL_K) * len(RATIOS)} points (k, ν), first at k = {min(breaks)[0]:.2g}"
+        points = len(ALL_K) * len(RATIOS)
+        text += f"falls with k at {len(breaks)} of {points} points (k, ν), first at k = {min(breaks)[0]:.2g}"
     else:
         text += "monotone for −0.95 ≤ k ≤ 0.95 and 0 ≤ ν ≤ 0.5 at every Q_A"
     return Claim(
@@ -271,4 +274,6 @@ def homogeneous_integral() -> Claim:
 
 def fleury() -> Claim:
     """Numbers of another paper."""
-    return Claim("5.2", "The homogeneous curves correspond exactly to values of Fleury et al. [38]", "no data here", OPEN)
+    return Claim(
+        "5.2", "The homogeneous curves correspond exactly to values of Fleury et al. [38]", "no data here", OPEN
+    )

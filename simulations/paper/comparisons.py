@@ -41,8 +41,8 @@ NEGATIVE = Pair(-0.1, 0.495)
 HOLL = Pair(0.3, GradedHalfPlane.holl_ratio(0.3))  # the paper's 0.43478
 COUPLED = Pair(0.3, 0.3)
 NOTE = (
-    f"Lines: closed forms, exact at the Holl ratio ν = 1/(2+k) alone. Points: finite elements with coupling; μ = {MU:g}, "
-    "which the paper does not give.\n"
+    f"Lines: closed forms, exact at the Holl ratio ν = 1/(2+k) alone. Points: finite elements with coupling; "
+    f"μ = {MU:g}, which the paper does not give.\n"
 )
 
 
@@ -54,7 +54,11 @@ def theory(pair: Pair):
 
 def figure10(runs: Runs):
     """Slip at +Q_A, where the paper's (50) holds."""
-    note = NOTE + rf"State A, the end of the first loading, $Q_A = {AMPLITUDE:g}\,\mu P$ as in Figure 11; $y_0 = {DEPTH:g}\,a_0$."
+    note = (
+        NOTE
+        + rf"State A, the end of the first loading, $Q_A = {AMPLITUDE:g}\,\mu P$ as in Figure 11; "
+        + rf"$y_0 = {DEPTH:g}\,a_0$."
+    )
     figure, axes = panels(2, "Figure 10. Relative tangential displacement (slip)", note)
     deviations = []
     panels_ = {"a": {NEGATIVE: (BLUE, "o")}, "b": {HOLL: (RED, "o"), COUPLED: (BLUE, "s")}}
@@ -84,7 +88,9 @@ def figure10(runs: Runs):
 
 def figure11(runs: Runs):
     """Traction at the states A ... E."""
-    note = NOTE + rf"$Q_A = {AMPLITUDE:g}\,\mu P$, $y_0 = {DEPTH:g}\,a_0$. The paper does not give the loads of B and D."
+    note = (
+        NOTE + rf"$Q_A = {AMPLITUDE:g}\,\mu P$, $y_0 = {DEPTH:g}\,a_0$. The paper does not give the loads of B and D."
+    )
     figure, axes = panels(2, "Figure 11. Tangential traction through the cycle", note)
     deviations = []
     for axis, (panel, pair) in zip(axes[0], {"a": NEGATIVE, "b": HOLL}.items(), strict=True):
@@ -113,7 +119,5 @@ def traction_panel(axis, runs: Runs, panel: str, pair: Pair):
         closed = closed_field(normal, loop, field.x, **at)["traction"]
         name = f"{pair.name}, {state}"
         deviations.append(Deviation.of(panel, name, "traction", exact, field.weight, field.traction, closed))
-    axis.set(
-        xlabel=r"position $x/a_0$ [–]", ylabel=r"traction $q\,/\,(\mu p_0)$ [–]", title=f"({panel})  {pair.label}"
-    )
+    axis.set(xlabel=r"position $x/a_0$ [–]", ylabel=r"traction $q\,/\,(\mu p_0)$ [–]", title=f"({panel})  {pair.label}")
     return deviations

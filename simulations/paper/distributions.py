@@ -9,7 +9,8 @@ from .style import COLOURS, MARKERS, panels
 NOTE = (
     f"Lines: closed forms with ν = {NU:g} (the paper gives no ν; μ drops out), which neglect coupling. "
     "Points: finite elements with coupling off.\n"
-    r"Dotted: half-width $a_0$ of the homogeneous contact; $p_0 = 2P/(\pi a_0)$. The loads are our choice: the paper names none."
+    r"Dotted: half-width $a_0$ of the homogeneous contact; $p_0 = 2P/(\pi a_0)$. "
+    "The loads are our choice: the paper names none."
 )
 QUANTITIES = {
     "traction": r"traction $q\,/\,(\mu p_0)$ [–]",
@@ -56,9 +57,7 @@ def _panel(axis, runs, panel, k, y0_over_a0, quantity):
         closed = closed_field(normal, normal.fretting(MU, z=1 - share), field.x, share * MU * normal.P, "initial")
         exact = closed["traction"] if quantity == "traction" else 4 * closed["traction"] * closed["slip"]
         name = f"k = {k:g}, Q = {share:g} μP"
-        deviations.append(
-            Deviation.of(panel, name, quantity, True, field.weight, getattr(field, quantity), exact)
-        )
+        deviations.append(Deviation.of(panel, name, quantity, True, field.weight, getattr(field, quantity), exact))
     axis.axvline(-1, color="0.6", lw=1, ls=":")
     axis.axvline(1, color="0.6", lw=1, ls=":")
     axis.set(xlabel=r"position $x/a_0$ [–]", ylabel=QUANTITIES[quantity], title=f"({panel})  $k = {k:g}$")

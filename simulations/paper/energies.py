@@ -39,7 +39,8 @@ HOMOGENEOUS = Line(0.0, 1.0, "homogeneous, (59)", RED, "*")
 def figure8(runs: Runs):
     """Various y0 for k = -0.5 and 0.5."""
     lines = {
-        panel: [Line(k, y, rf"$y_0 = {y:g}\,a_0$", c, m) for y, c, m in zip(DEPTHS, _others(), MARKERS)] + [HOMOGENEOUS]
+        panel: [Line(k, y, rf"$y_0 = {y:g}\,a_0$", c, m) for y, c, m in zip(DEPTHS, _others(), MARKERS, strict=False)]
+        + [HOMOGENEOUS]
         for panel, k in EXPONENTS.items()
     }
     titles = {panel: f"({panel})  $k = {k:g}$" for panel, k in EXPONENTS.items()}
