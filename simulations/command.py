@@ -33,7 +33,9 @@ class Request:
     explain: bool
 
 
-class _Parser(argparse.ArgumentParser):
+class Parser(argparse.ArgumentParser):
+    """Takes a wrong command line for wrong input: one line, exit code 2."""
+
     def error(self, message):
         raise SceneError(f"{message} (see --help)")
 
@@ -43,7 +45,7 @@ def read_request(arguments: list[str], program: str, description: str, default: 
 
     default: text of the scene that runs when none is named.
     """
-    parser = _Parser(prog=f"python -m {program}", description=description, allow_abbrev=False)
+    parser = Parser(prog=f"python -m {program}", description=description, allow_abbrev=False)
     parser.add_argument("scene", nargs="?", type=Path, help="scene file (TOML); without one, the default scene")
     parser.add_argument("--output", type=Path, metavar="DIR", help="folder for results (default: results/SCENE)")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="change a key of the scene")
@@ -55,7 +57,7 @@ def read_request(arguments: list[str], program: str, description: str, default: 
     scene = parse(text, tuple(given.set))
     name = program.rpartition(".")[2] if given.scene is None else given.scene.stem
     output = given.output or Path("results") / name
-    return Request(scene, output if given.explain else _writable(output), petsc, given.explain)
+    return Request(scene, output if given.explain else writable(output), petsc, given.explain)
 
 
 def _split_petsc(arguments):
@@ -79,7 +81,8 @@ def _read(path: Path) -> str:
         raise SceneError(f"scene {path} is not TOML: it is not even text") from None
 
 
-def _writable(folder: Path) -> Path:
+def writable(folder: Path) -> Path:
+    """The folder, made if need be; SceneError where nothing can be written."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
         probe = folder / ".write-test"
