@@ -7,7 +7,7 @@ from pathlib import Path
 import meshio
 import numpy as np
 
-from .scene import SceneError
+from .language import SceneError
 
 FIELD = "von Mises stress [Pa]"
 

@@ -11,7 +11,7 @@ from matplotlib.ticker import MaxNLocator
 from .body_states import BodyState, read_states
 from .command import Parser, comm, on_root, run, say, writable
 from .paper.style import panels, save, style
-from .scene import SceneError
+from .language import SceneError
 
 REACH, DEPTH = 1.6, 1.6  # drawn part of the body, in contact half-widths a
 WORDS = {"initial": "first loading", "unloading": "unloading", "reloading": "reloading"}

@@ -9,7 +9,7 @@ from .command import Parser, comm, on_root, run, say, writable
 from .paper import comparisons, distributions, energies
 from .paper.elements import Deviation, Runs
 from .paper.style import save, style
-from .scene import SceneError
+from .language import SceneError
 
 FIGURES = {
     4: partial(distributions.draw, number=4, y0_over_a0=0.1, quantity="traction"),

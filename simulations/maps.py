@@ -13,7 +13,7 @@ from .mapping.points import Energies, Point, by_theory
 from .mapping.shares import simulate_all
 from .mapping.store import Store
 from .paper.style import save, style
-from .scene import SceneError
+from .language import SceneError
 
 EXPONENTS = tuple(round(0.1 * i, 1) for i in range(-6, 9))
 AMPLITUDES = (0.2, 0.4, 0.6, 0.8, 0.95)

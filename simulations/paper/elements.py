@@ -8,8 +8,9 @@ from analytic import CylinderContact
 
 from ..comparison import relative_l2
 from ..mesh import Grading
+from ..scaling import Scaled
 from ..scene import Scene, resolve
-from ..simulation import Simulation, dimensionless_contact
+from ..simulation import Simulation
 from .setting import MU, Units, own_units
 
 DRAWN = 41  # computed points drawn a curve
@@ -105,7 +106,7 @@ class Runs:
                 if entry.increment.state and entry.increment.state not in states:
                     states[entry.increment.state] = _field(entry, simulation)
             contact = simulation.contact
-            energy = simulation.history.dissipated_per_cycle / own_units(contact, MU).energy
+            energy = simulation.history.dissipated_energy / own_units(contact, MU).energy
             self._kept[key] = Loop(states, energy)
         return self._kept[key]
 
@@ -127,7 +128,7 @@ class Runs:
 
     def _cells(self, scene, shares) -> Grading:
         """Cells graded to the stick edges of every share, not of the last alone."""
-        contact = dimensionless_contact(scene)
+        contact = Scaled.of(scene).contact
         edges = [contact.fretting(MU, z=1 - share).c for share in shares] + [contact.a]
         edges = sorted([*edges, *(-e for e in edges)])
         return Grading(edges=tuple(edges), **scene.section("mesh"))
