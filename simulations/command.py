@@ -5,6 +5,7 @@ solve with 1; anything unforeseen aborts all ranks, so that none waits for anoth
 """
 
 import argparse
+import json
 import sys
 import traceback
 from collections.abc import Callable
@@ -49,12 +50,14 @@ def read_request(arguments: list[str], program: str, description: str, default: 
     parser.add_argument("scene", nargs="?", type=Path, help="scene file (TOML); without one, the default scene")
     parser.add_argument("--output", type=Path, metavar="DIR", help="folder for results (default: results/SCENE)")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="change a key of the scene")
+    parser.add_argument("--reference", metavar="KIND", help="what to compare with: auto, closed form, half-plane, none")
     parser.add_argument("--explain", action="store_true", help="say which effects are on, and stop")
     parser.epilog = "Options that begin with -fretting_ go to PETSc, for instance -fretting_snes_monitor."
     own, petsc = _split_petsc(arguments)
     given = parser.parse_args(own)
     text = default if given.scene is None else _read(given.scene)
-    scene = parse(text, tuple(given.set))
+    reference = [] if given.reference is None else [f"reference.kind={json.dumps(given.reference)}"]
+    scene = parse(text, (*given.set, *reference))
     name = program.rpartition(".")[2] if given.scene is None else given.scene.stem
     output = given.output or Path("results") / name
     return Request(scene, output if given.explain else writable(output), petsc, given.explain)
