@@ -3,7 +3,7 @@
 import numpy as np
 
 from analytic import HalfPlaneContact, PowerProfile
-from analytic.half_plane_increment import ContactNotConverged
+from analytic.half_plane_linear import ContactNotConverged
 from analytic.half_plane_state import ContactState
 
 from .comparison import relative_l2
