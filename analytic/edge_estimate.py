@@ -14,9 +14,8 @@ PRESSING = 4  # increments of the normal stage if friction acts in it
 class EdgeEstimate:
     """Left and right ends [length] of contact and stick.
 
-    contact, stick: at +Q_A at the end of the cycle; mirrored at -Q_A, up to the first loop's memory: contact_reverse,
-    stick_reverse. contact_range, stick_range: shape (2, 2), for the left and the right edge the least and the greatest
-    place between ±Q_A; stick's at the ends of the branches only, since in between it starts anew at the edge of contact.
+    contact, stick: at +Q_A at the end of the cycle; contact_reverse, stick_reverse: at -Q_A before. contact_range, stick_range: shape (2, 2), for the left and the right edge the least and the greatest
+    place between ±Q_A; stick's at the ends of the branches only: in between it starts anew at the edge of contact.
     """
 
     contact: tuple[float, float]
@@ -32,8 +31,8 @@ def contact_edges(
 ) -> EdgeEstimate:
     """Edges of fretting under P between ±Q_A [stress x length], from one coarse cycle of HalfPlaneContact.
 
-    solid: GradedHalfPlane or SurfaceKernel. steps: increments a quarter cycle. Against 300 nodes and 8 steps, for
-    -0.5 <= k <= 0.7, contact is met to 0.3 % and stick to 1.5 % of the contact's half-width. Should
+    solid: GradedHalfPlane or SurfaceKernel. steps: increments a quarter cycle. Against 200 nodes and 4 steps, for
+    -0.5 <= k <= 0.7 and mu up to 0.6, contact is met to 0.7 % and stick to 0.2 % of the contact's half-width. Should
     the coarse cycle fail, more nodes are tried once; then ContactNotConverged. ValueError as by HalfPlaneContact.
     """
     pressing = PRESSING if friction_in_normal_stage else 1

@@ -117,15 +117,16 @@ class HalfPlaneContact:
         return self._remember(memory, new, operator, solution, P, Q, normal_stage, motion, iterations)
 
     def _solved(self, layout, fine, adapted, memory, mu, P, Q, previous):
-        """Operator and solution on the nodes of ``layout``, and of more beside them should the contact reach the last."""
+        """Operator and solution on the nodes of ``layout``, more of them should the contact reach the last."""
         margin = layout.width * (MARGIN if fine else COARSE_MARGIN)
         while True:
             x = layout.nodes(self.nodes if fine else self.nodes // 2, margin, self.kernel.k)
             operator = layout.operator(self.kernel, x, adapted, self.coupling)
             height = self._height(x)
             if not np.isfinite(height).all():
+                beyond = x[~np.isfinite(height)][0]
                 raise ValueError(
-                    f"P = {P:g}, Q = {Q:g}: the profile has no height at x = {x[~np.isfinite(height)][0]:g}, just outside "
+                    f"P = {P:g}, Q = {Q:g}: the profile has no height at x = {beyond:g}, just outside "
                     f"the contact between {layout.contact[0]:g} and {layout.contact[1]:g}"
                 )
             increment = Increment(operator, height, memory.position(x), mu, P, Q)

@@ -66,7 +66,7 @@ class Increment:
             return followed(self.operator, self.mu, data, sticking(self.operator, data, guess))
 
     def _changed(self, s, new, rounding):
-        """Nodes whose status is to change; also the last one that sticks, which stays so, beyond the limit of friction."""
+        """Nodes whose status is to change; also the last that sticks, which stays so, beyond the limit of friction."""
         beyond = np.abs(s.traction) - self.mu * np.maximum(s.pressure, 0.0) > rounding * s.pressure.max()
         return ~new.same(s.sets) | (s.stuck & beyond & (self.mu > 0))
 

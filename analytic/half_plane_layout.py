@@ -10,7 +10,8 @@ from .half_plane_nodes import graded_nodes
 from .half_plane_operator import SurfaceOperator
 
 SMALLEST = 1e-7  # spacing at the edges over the width of the contact
-SOFTEST = 3e-11  # spacing^(1-k) at edges of stick: compliance of an element over the whole's, which rounding must not reach
+# spacing^(1-k) at edges of stick: the compliance of an element over the whole's, which rounding must not reach
+SOFTEST = 3e-11
 STICK_DENSITY = 2.0  # of nodes at edges of stick, which move, over that at other edges
 NEIGHBOUR = 0.01  # distance over the width of the contact below which an old edge is as good as the new one
 

@@ -93,7 +93,8 @@ def _conditions(mu, sets, data, s, stress, length):
     slips = sets.slipping != 0
     stick = sets.closed & ~slips & (mu > 0)
     first = np.where(sets.closed, np.where(stick, mu * s.pressure - s.traction, s.pressure) / stress, s.gap / length)
-    second = np.where(stick, (mu * s.pressure + s.traction) / stress, -sets.slipping * (s.position - data.rest) / length)
+    slip = -sets.slipping * (s.position - data.rest)
+    second = np.where(stick, (mu * s.pressure + s.traction) / stress, slip / length)
     return np.array([first, np.where(stick | slips, second, np.nan)])
 
 

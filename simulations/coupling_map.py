@@ -122,7 +122,7 @@ def _row(k, nu, mu):
 
 
 def _interpolated(rows, name, mu, k, nu, fine_k, fine_nu):
-    """|change| in per cent on a finer grid: over d/√(bg) = cot(βπ/2), which vanishes at the Holl ratio, it is smooth."""
+    """|change| in per cent on a finer grid: over d/√(bg) = cot(βπ/2), zero at the Holl ratio, it is smooth."""
 
     def strength(a, b):
         return 1 / np.tan(GradedHalfPlane(1.0, b, a, 1.0).beta * np.pi / 2)
