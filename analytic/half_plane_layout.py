@@ -35,7 +35,7 @@ class Layout:
     contact: tuple[float, float]
     zones: np.ndarray
     kinks: Edges
-    corners: Edges = Edges.of_zones([])
+    corners: Edges
 
     @classmethod
     def first(cls, half_width, corners=()):

@@ -15,16 +15,17 @@ import numpy as np
 from mpi4py import MPI
 from scipy.interpolate import RectBivariateSpline
 
-from analytic import GradedHalfPlane, HalfPlaneContact, PowerProfile
+from analytic import GradedHalfPlane, HalfPlaneContact, PowerLawKernel, PowerProfile
 from analytic.half_plane_linear import ContactNotConverged
 
 from .command import on_root, run, say
 
 FRICTION, AMPLITUDE = (0.1, 0.3, 0.6), 0.9
 K, NU = (-0.5, 0.7), (0.0, 0.5)
-INCREMENTS, NODES = 8, 80  # a cycle, and at each increment
+HALF, NODES = 4, 80  # increments a half cycle, and at each of them
 COLUMNS = ("k", "nu", "mu", "pressure", "traction", "slip", "energy")
-SHOWN = {"pressure": "pressure", "traction": "traction", "slip": "slip between ±Q_A", "energy": "energy per cycle"}
+SHOWN = {"pressure": "pressure", "traction": "traction", "slip": r"slip between $\pm Q_A$", "energy": "energy per cycle"}
+ORDER = {"pressure": 1, "traction": 1, "slip": 2, "energy": 2}  # with which they vanish with the coupling
 LEVELS = (0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0)  # per cent
 
 
@@ -50,21 +51,28 @@ def _request(arguments):
 
 def changes(k: float, nu: float, mu: float) -> dict[str, float]:
     """Relative changes by coupling, after one cycle: L2 of p and q at +Q_A, and of the way slipped between ±Q_A."""
-    turn = np.linspace(1, -1, INCREMENTS // 2 + 1)
+    turn = np.linspace(1, -1, HALF + 1)
     share = [0, 0.25, 0.5, 0.75, *turn, *turn[::-1][1:]]
     solid, loads = GradedHalfPlane(1.0, nu, k, 1.0), [(1.0, AMPLITUDE * mu * s) for s in share]
     coupled, alone = (
         HalfPlaneContact(solid, PowerProfile(0.5, 2.0), mu, coupling=coupling, nodes=NODES).run(loads)
         for coupling in (True, False)
     )
+    ends = np.array([s.contact for states in (coupled, alone) for s in (states[-1], states[-1 - HALF])])
+
+    def common(x):
+        return (x > ends[:, 0].max()) & (x < ends[:, 1].min())
+
     edges = [edge for states in (coupled, alone) for edge in states[-1].contact]
     x = np.mean([min(edges), max(edges)]) + (max(edges) - min(edges)) / 2 * np.sin(np.linspace(-1, 1, 4001) * np.pi / 2)
     result = {}
     for name, field in FIELDS.items():
         with_coupling, without = (field(x, states) for states in (coupled, alone))
+        if name == "slip":  # where there is contact with and without coupling, at both ends of the way
+            with_coupling, without = (np.where(common(x), way, 0.0) for way in (with_coupling, without))
         square = np.trapezoid([(with_coupling - without) ** 2, without**2], x)
         result[name] = float(np.sqrt(square[0] / square[1]))
-    cycle = [states[-1].dissipated_energy - states[-1 - INCREMENTS].dissipated_energy for states in (coupled, alone)]
+    cycle = [states[-1].dissipated_energy - states[-1 - 2 * HALF].dissipated_energy for states in (coupled, alone)]
     return result | {"energy": cycle[0] / cycle[1] - 1}
 
 
@@ -75,8 +83,7 @@ def _at(x, state, values):
 
 
 def _way(x, states):
-    up, down = states[-1], states[-1 - INCREMENTS // 2]
-    return _at(x, up, up.slip) - np.interp(x, down.x, down.slip) * (_at(x, up, 1.0 + 0 * up.x) > 0)
+    return np.interp(x, states[-1].x, states[-1].slip) - np.interp(x, states[-1 - HALF].x, states[-1 - HALF].slip)
 
 
 FIELDS = {
@@ -122,13 +129,14 @@ def _row(k, nu, mu):
 
 
 def _interpolated(rows, name, mu, k, nu, fine_k, fine_nu):
-    """|change| in per cent on a finer grid: over d/√(bg) = cot(βπ/2), zero at the Holl ratio, it is smooth."""
+    """|change| in per cent on a finer grid: smooth over a power of the coupling, which is zero at the Holl ratio."""
 
     def strength(a, b):
-        return 1 / np.tan(GradedHalfPlane(1.0, b, a, 1.0).beta * np.pi / 2)
+        solid = GradedHalfPlane(1.0, b, a, 1.0)
+        return abs(PowerLawKernel(solid).d / solid.bk) ** ORDER[name]
 
-    ratio = np.array([[rows[_key((a, b, mu))][name] / abs(strength(a, b) or np.nan) for b in nu] for a in k])
-    ratio[np.abs([[strength(a, b) for b in nu] for a in k]) < 1e-6] = np.nan
+    ratio = np.array([[rows[_key((a, b, mu))][name] / (strength(a, b) or np.nan) for b in nu] for a in k])
+    ratio[np.array([[strength(a, b) for b in nu] for a in k]) < 1e-9] = np.nan
     for column in ratio.T:  # at the Holl ratio itself: between its neighbours
         hole = np.isnan(column)
         column[hole] = np.interp(k[hole], k[~hole], column[~hole])
