@@ -21,7 +21,7 @@ RTOL, ATOL = 1e-11, 1e-13
 BESIDE = 1e-13  # relative distance to a jump of E at which its side is certain
 NEAREST = 1e-12  # over the wavenumber: depth at which the integration ends, in the regular depth variable
 PER_DECADE, SOURCES_PER_DECADE = 20, 10
-CUTOFF = 1e-10  # of the singular values: smaller ones only make strong sources that cancel
+CUTOFF = 1e-9  # of the singular values: smaller ones only make strong sources that cancel
 LARGEST_MISFIT, LARGEST_AT_SURFACE = 1e-5, 0.02
 TABLE = 400  # points of the tabulated smooth part
 

@@ -26,7 +26,7 @@ HALF, NODES = 4, 80  # increments a half cycle, and at each of them
 COLUMNS = ("k", "nu", "mu", "pressure", "traction", "slip", "energy")
 SHOWN = {"pressure": "pressure", "traction": "traction", "slip": r"slip between $\pm Q_A$", "energy": "energy per cycle"}
 ORDER = {"pressure": 1, "traction": 1, "slip": 2, "energy": 2}  # with which they vanish with the coupling
-NOISE = 0.05  # power of the coupling below which the loops' own error rules their difference
+NOISE = 0.002  # power of the coupling below which the loops' own error rules their difference
 LEVELS = (0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0)  # per cent
 
 
@@ -141,7 +141,7 @@ def _interpolated(rows, name, mu, k, nu, fine_k, fine_nu):
     for column in ratio.T:  # at the Holl ratio: between its neighbours
         hole = np.isnan(column)
         column[hole] = np.interp(k[hole], k[~hole], column[~hole])
-    smooth = RectBivariateSpline(k, nu, ratio, kx=2, ky=2)(fine_k, fine_nu)
+    smooth = RectBivariateSpline(k, nu, ratio, kx=1, ky=1)(fine_k, fine_nu)
     return 100 * np.abs(smooth * [[strength(a, b) for b in fine_nu] for a in fine_k]).T
 
 
