@@ -3,7 +3,7 @@
 import numpy as np
 
 from analytic import FrettingLoop, HalfPlaneContact
-from analytic.half_plane_increment import ContactNotConverged
+from analytic.half_plane_linear import ContactNotConverged
 
 from .effects import Effects
 from .scaling import Scaled
