@@ -11,7 +11,7 @@ def main(arguments: list[str], program: str = "simulations.fretting", descriptio
     """Read the scene, run it, keep what it yields, and print the results beside the closed form."""
     request = on_root(lambda: read_request(arguments, program, description, default))
     set_petsc_options(request.petsc)
-    say("preparing mesh and forms (the first run compiles them, about a minute)")
+    say("preparing mesh and forms (the first run compiles them, some ten seconds)")
     simulation = Simulation(comm, request.scene)
     if request.explain:
         say(explain(simulation))
