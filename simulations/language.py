@@ -3,6 +3,7 @@
 import json
 from dataclasses import dataclass
 from math import inf, isfinite
+from pathlib import Path
 from typing import Any
 
 
@@ -42,7 +43,7 @@ class Key:
         readers = {str: self._text, bool: self._truth, int: self._number, float: self._number, list: self._pairs}
         read = readers[self.kind](value)
         if read is None:
-            raise SceneError(f"{name} = {_shown(value)} is not allowed: {self.allowed}")
+            raise SceneError(f"{name} = {shown(value)} is not allowed: {self.allowed}")
         return read
 
     def _text(self, value):
@@ -70,6 +71,8 @@ def is_number(value) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) < 1e308 and isfinite(value)
 
 
-def _shown(value) -> str:
-    text = repr(value)
+def shown(value) -> str:
+    """``value`` in one line of reasonable length."""
+    text = str(value) if isinstance(value, Path) else repr(value)
+    text = "".join(c if c.isprintable() else "?" for c in text)
     return text if len(text) < 80 else text[:76] + " ..."

@@ -64,6 +64,12 @@ class System(Protocol):
     def finish(self, x: PETSc.Vec):
         """Leave the state ``x`` in the problem's fields."""
 
+    def last_forces(self) -> np.ndarray:
+        """Contact forces that ``finish`` left, beyond what the fields hold; empty where they hold all."""
+
+    def take_up(self, forces: np.ndarray):
+        """Go on from fields that an earlier run's ``finish`` left with these forces."""
+
 
 def with_defaults(prefix: str, defaults: dict, configure):
     """Call ``configure`` (a setFromOptions) with ``defaults`` under ``prefix``, which the user's options override."""

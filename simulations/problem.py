@@ -177,6 +177,10 @@ class ContactProblem:
         self._held_state.x.array[:] = self.body.state.x.array
         self._interpolate(self._held_pressure, normal._pressure)
 
+    def held(self) -> tuple[fem.Function, fem.Function, np.ndarray | None]:
+        """What ``hold_pressure`` keeps: state, pressure and nodal forces."""
+        return self._held_state, self._held_pressure, self.held_forces
+
     def without_held(self) -> np.ndarray:
         """Take the tangential problem's part out of the state, which is then that of the normal problem."""
         tangential = self.body.state.x.array - self._held_state.x.array

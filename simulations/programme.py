@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from .newton import Newton, NewtonResult
+from .newton import Newton, NewtonResult, System
 from .problem import ContactProblem, X, Y
 
 MAX_CUTS = 6
@@ -101,11 +101,30 @@ class LoadProgramme:
         self.body, self.mu, self._system = normal.body, mu, system
         self._friction_first = friction_first
 
-    def run(self, programme: list[Increment]) -> Iterator[Outcome]:
-        """Yield each outcome while its state is on the half-plane; SolveError ends the run."""
-        before = Increment(P=0.0)
-        self._newton = self._start(self.problem)
-        for increment in programme:
+    @property
+    def system(self) -> System:
+        """What solves the present stage."""
+        return self._newton.system
+
+    @property
+    def normal_system(self) -> System:
+        """What solved the normal stage, once friction has begun."""
+        return self._normal_newton.system
+
+    def skip(self, done: list[Increment]):
+        """Stand where a run stands that has done these increments; its memory is yet to be restored."""
+        self._newton = self._start(self.normal)
+        if self.frictional and (self._friction_first or any(increment.branch != "normal" for increment in done)):
+            self._normal_newton, self.problem = self._newton, self.frictional
+            self.frictional.mu.value = self.mu
+            self._newton = self._start(self.frictional)
+
+    def run(self, programme: list[Increment], done: int = 0) -> Iterator[Outcome]:
+        """Yield each outcome after the first ``done`` while its state is on the half-plane; SolveError ends the run."""
+        before = programme[done - 1] if done else Increment(P=0.0)
+        if not done:
+            self._newton = self._start(self.problem)
+        for increment in programme[done:]:
             results: list[NewtonResult] = []
             if self.problem is not self.frictional and (increment.branch != "normal" or self._friction_first):
                 if self._friction_first:  # the frictionless contact of the first increment is where Newton starts
