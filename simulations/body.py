@@ -58,12 +58,12 @@ class HalfPlane:
         y = self.depth.y(np.maximum(s, 0.0))  # gmsh may place the surface at -1e-17
         self._far_field = [far_field(x, y, Q=1.0), far_field(x, y, P=1.0)]
 
-        form = fem.form(self._stiffness_form(works))
-        self.stiffness = fem_petsc.assemble_matrix(form)
-        self.stiffness.assemble()
-        self.constrained_stiffness = fem_petsc.assemble_matrix(form, bcs=self.boundary_conditions)
-        self.constrained_stiffness.assemble()
         self._make_strip(strip)
+        self.stiffness_form = fem.form(self._stiffness_form(works))
+        self.stiffness = fem_petsc.assemble_matrix(self.stiffness_form)
+        self.stiffness.assemble()
+        self.constrained_stiffness = fem_petsc.assemble_matrix(self.stiffness_form, bcs=self.boundary_conditions)
+        self.constrained_stiffness.assemble()
 
     @property
     def fixed_dofs(self) -> np.ndarray:

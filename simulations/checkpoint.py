@@ -32,12 +32,14 @@ if TYPE_CHECKING:
     from .simulation import Simulation
 
 FOLDER, SCENE = "checkpoint", "scene.toml"
+NODAL = ("pressure", "traction", "u", "delta", "neglected")
 SCALARS = ("iterations", "cuts", "residual", "imbalance", "seconds")
 
 
 def record(n: int) -> np.dtype:
     """One increment: nodal values (n,) of a SurfaceState and what it took."""
     fields = [("pressure", "f8", n), ("traction", "f8", n), ("u", "f8", (2, n)), ("delta", "f8", 2)]
+    fields.append(("neglected", "f8", n))
     return np.dtype(fields + [(name, "f8") for name in SCALARS])
 
 
@@ -74,7 +76,7 @@ class Checkpoint:
         self._folder.mkdir(exist_ok=True)
         surface, number = entry.surface, len(simulation.history.entries)
         row = np.zeros((), record(surface.x.size))
-        for name in ("pressure", "traction", "u", "delta"):
+        for name in NODAL:
             row[name] = getattr(surface, name)
         for name in SCALARS:
             row[name] = getattr(entry, name)
@@ -122,7 +124,8 @@ def load(folder: Path) -> Saved:
     if not (folder / FOLDER / "memory.npz").exists():
         return Saved(scene)
     try:
-        with np.load(folder / FOLDER / "memory.npz", allow_pickle=False) as archive:
+        content = io.BytesIO((folder / FOLDER / "memory.npz").read_bytes())  # numpy leaves a damaged file open
+        with np.load(content, allow_pickle=False) as archive:
             kept = dict(archive)
         number, n, resumed = map(int, kept["number"])
         states = np.fromfile(folder / FOLDER / "states.bin", record(n), count=number)
@@ -147,8 +150,7 @@ def restore(saved: Saved, simulation: Simulation):
     """Take a new Simulation to where ``saved`` was left."""
     sampler, solver, done = simulation.sampler, simulation.solver, simulation.programme[: saved.increments]
     for increment, row in zip(done, saved.states, strict=True):
-        nodal = row["pressure"], row["traction"], row["u"], row["delta"].copy()
-        surface = SurfaceState(sampler.x, sampler.weight, *nodal)
+        surface = SurfaceState(sampler.x, sampler.weight, **{name: row[name].copy() for name in NODAL})
         result = NewtonResult(True, int(row["iterations"]), float(row["residual"]), float(row["imbalance"]), "")
         simulation.history.append(Outcome(increment, (result,), int(row["cuts"])), surface, float(row["seconds"]))
     solver.skip(done)

@@ -52,14 +52,16 @@ class Request:
     saved: checkpoint.Saved | None = None
 
 
-class _Parser(argparse.ArgumentParser):
+class Parser(argparse.ArgumentParser):
+    """Takes a wrong command line for wrong input: one line, exit code 2."""
+
     def error(self, message) -> NoReturn:
         raise SceneError(f"{message} (see --help)")
 
 
 def read_request(arguments: list[str], program: str, description: str | None, default: str) -> Request:
     """The request of a command line; see ``--help``. default: text of the scene that runs when none is named."""
-    parser = _Parser(prog=f"python -m {program}", description=description, allow_abbrev=False)
+    parser = Parser(prog=f"python -m {program}", description=description, allow_abbrev=False)
     parser.add_argument("scene", nargs="?", type=Path, help="scene file (TOML); without one, the default scene")
     parser.add_argument("--output", type=Path, metavar="DIR", help="folder for results (default: results/SCENE)")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="change a key of the scene")

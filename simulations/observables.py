@@ -25,11 +25,12 @@ class SurfaceState:
     traction: np.ndarray
     u: np.ndarray  # (2, n)
     delta: np.ndarray  # (2,)
+    neglected: np.ndarray  # (n,) the u_x of the pressure, where coupling is off; 0 otherwise
 
     @property
     def relative_displacement(self) -> np.ndarray:
-        """u_x - delta_x, (n,)."""
-        return self.u[X] - self.delta[X]
+        """u_x - delta_x as friction sees it, (n,)."""
+        return self.u[X] - self.neglected - self.delta[X]
 
     def line_load(self, values) -> float:
         """Integral of nodal values over the surface."""
@@ -37,10 +38,10 @@ class SurfaceState:
 
 
 class SurfaceSampler:
-    """Collects a SurfaceState from all ranks."""
+    """Collects a SurfaceState from all ranks. problem: any on the body; uncoupled: the pressure's u_x is not slip."""
 
-    def __init__(self, body: HalfPlane, problem: ContactProblem):
-        self.body = body
+    def __init__(self, body: HalfPlane, problem: ContactProblem, uncoupled: bool = False):
+        self.body, self._uncoupled = body, uncoupled
         nodes = fem.locate_dofs_topological(body.displacements, 1, body.strip)
         self._nodes = nodes[nodes < body.owned_nodes]
         x = gathered(body.mesh.comm, body.displacements.tabulate_dof_coordinates()[self._nodes, 0])
@@ -56,7 +57,8 @@ class SurfaceSampler:
         force = [self._collect(problem.nodal_forces(i)) for i in (X, Y)]
         if self.body.is_half:
             force[Y][len(self.x) // 2] *= 2.0
-        u = self.body.state.x.array[self.body.dofs]
+        u, held = (state.x.array[self.body.dofs] for state in (self.body.state, problem.held_state or self.body.state))
+        neglected = held[:, X] if self._uncoupled else np.zeros(len(u))
         return SurfaceState(
             x=self.x,
             weight=self.weight,
@@ -64,6 +66,7 @@ class SurfaceSampler:
             traction=force[X] / self.weight,
             u=np.stack([self._collect(u[:, X], mirrored=-1), self._collect(u[:, Y])]),
             delta=self.body.delta.value.copy(),
+            neglected=self._collect(neglected, mirrored=-1),
         )
 
     def _collect(self, nodal, mirrored: int = 1):

@@ -39,15 +39,15 @@ class ContactProblem:
         self.body, self.directions = body, directions
         self.friction = X in directions
         self.all_stick = fem.Constant(body.mesh, 0.0)  # 1 in the predictor
-        self.held_forces = None
+        self.held_forces = self.held_state = None
         ds = body.surface_measure
         test, du = ufl.TestFunction(body.space), ufl.TrialFunction(body.space)
         v, _ = body.split(test)
-        state = body.state
+        u, pi = body.u, body.pi
         if Y not in directions:
-            self._held_state = fem.Function(body.space)
-            state = body.state - self._held_state
-        u, pi = body.split(state)
+            self.held_state = fem.Function(body.space)
+            held_u, held_pi = body.split(self.held_state)
+            u, pi = u - held_u, None if pi is None else pi - held_pi
 
         gamma = body.constant(nitsche.gamma0) * 4.0 * body.surface_modulus() / body.cell_height
         traction = body.traction(u, pi)
@@ -174,17 +174,17 @@ class ContactProblem:
     def hold_pressure(self, normal: "ContactProblem"):
         """Keep the pressure and the displacement of the normal problem as they are now."""
         self.held_forces = normal.nodal_forces(Y)  # all of them for theta = 0
-        self._held_state.x.array[:] = self.body.state.x.array
+        self.held_state.x.array[:] = self.body.state.x.array
         self._interpolate(self._held_pressure, normal._pressure)
 
     def held(self) -> tuple[fem.Function, fem.Function, np.ndarray | None]:
         """What ``hold_pressure`` keeps: state, pressure and nodal forces."""
-        return self._held_state, self._held_pressure, self.held_forces
+        return self.held_state, self._held_pressure, self.held_forces
 
     def without_held(self) -> np.ndarray:
         """Take the tangential problem's part out of the state, which is then that of the normal problem."""
-        tangential = self.body.state.x.array - self._held_state.x.array
-        self.body.state.x.array[:] = self._held_state.x.array
+        tangential = self.body.state.x.array - self.held_state.x.array
+        self.body.state.x.array[:] = self.held_state.x.array
         return tangential
 
     def _owned(self, direction):

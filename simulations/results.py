@@ -67,8 +67,9 @@ class Results:
     again: the command that goes on with the run if it stops.
     """
 
-    def __init__(self, folder: Path, simulation: Simulation, again: str):
-        self.folder, self.simulation, self._again = folder, simulation, again
+    def __init__(self, folder: Path, simulation: Simulation, again: str = ""):
+        self.folder, self.simulation = folder, simulation
+        self._again = again or f"--resume {folder}"
         self.scales = simulation.scaled.scales
         self.comm = simulation.body.mesh.comm
         self.summary: dict = {}

@@ -71,7 +71,7 @@ class Simulation:
             normal, frictional, self._system, self.mu, "friction in normal stage" in self.effects
         )
         self.body.delta.value[Y] = indenter.height(1.0)  # overlap on |x| < a: where Newton starts
-        self.sampler = SurfaceSampler(self.body, normal)
+        self.sampler = SurfaceSampler(self.body, normal, scene.friction and "coupling" not in self.effects)
         self.numbering = Numbering(self.body, x, s)
         self.resumed = 0  # times
         self.history = History(k=scene.k, mu=self.mu)

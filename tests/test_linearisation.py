@@ -15,10 +15,11 @@ from simulations.simulation import Simulation
 STEP = 1e-7
 
 
-@pytest.fixture(scope="module")
-def partly_slipping():
+@pytest.fixture(scope="module", params=["plain", "mixed"])
+def partly_slipping(request):
     """A body in partial slip at Q = +Q_A/2 on the first loading, the load, and the programme's frictional problem."""
-    simulation = Simulation(MPI.COMM_SELF, parse(DEFAULT_SCENE, coarse_overrides()))
+    mixed = str(request.param == "mixed").lower()
+    simulation = Simulation(MPI.COMM_SELF, parse(DEFAULT_SCENE, coarse_overrides(effects__incompressibility=mixed)))
     states = simulation.run()
     next(states)
     entry = next(states)

@@ -16,7 +16,7 @@ from simulations.problem import ContactProblem, Nitsche
 WIDTH, DEPTH, NU = 2.0, 1.5, 0.3
 
 
-def confined_block(k):
+def confined_block(k, mixed=False):
     """A block on a rigid base, sides guided, whose exact u under uniform p = P/WIDTH, q = Q/WIDTH is linear in y^(1-k)."""
     modulus = PowerLaw.of(k)
     depth = modulus.depth_map()
@@ -29,7 +29,7 @@ def confined_block(k):
 
     x = np.array([-1.0, -0.7, -0.2, 0.1, 0.6, 1.0])
     mesh, facets = half_plane(MPI.COMM_SELF, x, depth.s(DEPTH) * np.array([0.0, 0.1, 0.3, 1.0]))
-    return HalfPlane(mesh, facets, modulus, NU, exact, strip=WIDTH), exact
+    return HalfPlane(mesh, facets, modulus, NU, exact, WIDTH, mixed), exact
 
 
 def press(body, friction, load, method):
@@ -51,9 +51,9 @@ def press(body, friction, load, method):
 
 @pytest.mark.parametrize("method", ["full", "condensed"])
 @pytest.mark.parametrize("friction", [False, True])
-@pytest.mark.parametrize("k", [0.0, 0.3, 0.7])
-def test_uniform_tractions(k, friction, method):
-    body, exact = confined_block(k)
+@pytest.mark.parametrize("k, mixed", [(0.0, False), (0.3, False), (0.7, False), (0.0, True), (0.3, True)])
+def test_uniform_tractions(k, mixed, friction, method):
+    body, exact = confined_block(k, mixed)
     load = (0.2 if friction else 0.0, 0.8)
     state = press(body, friction, load, method)
     u = exact(0.0, 0.0, P=load[1], Q=load[0])

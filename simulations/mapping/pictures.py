@@ -1,0 +1,93 @@
+"""The maps as filled contours: the homogeneous level is the thick line."""
+
+import numpy as np
+from matplotlib.ticker import FuncFormatter
+
+from ..paper.style import GREY, panels
+from .answers import ratios
+from .points import Energies, Point
+
+DEPTHS = np.geomspace(1e-2, 1e2, 81)  # y0/a0
+LEVELS = 2.0 ** np.arange(-5, 6)  # of ratios
+NAMES = {"energy": r"energy per cycle $\Delta W$", "density": r"peak density $\max\,w$"}
+SHAPES = {1.5: "$f\\sim|x|^{1.5}$", 2.0: "$f\\sim x^2$", 4.0: "$f\\sim x^4$"}
+
+
+def shape(m: float) -> str:
+    """The profile, set as mathematics."""
+    return SHAPES.get(m, rf"$f\sim|x|^{{{m:g}}}$")
+
+
+def over_depth(found: dict[Point, Energies], shown: list[tuple[float, float]], title: str, note: str):
+    """Energy (top) and peak density (bottom) over k and y0/a0; shown: (m, amplitude) by column."""
+    figure, axes = panels(len(shown), title, note, rows=2, width=4.3, height=3.7)
+    for column, (m, amplitude) in enumerate(shown):
+        for row, quantity in enumerate(NAMES):
+            k = sorted({p.k for p in found if (p.m, p.amplitude) == (m, amplitude)})
+            table = [_row(ratios(found, quantity, m, amplitude, y), k) for y in DEPTHS]
+            filled = _fill(axes[row, column], k, DEPTHS, np.array(table))
+            axes[row, column].set(yscale="log", xlabel="exponent $k$ [–]")
+            axes[row, column].set_title(rf"{shape(m)}, $Q_A = {amplitude:g}\,\mu P$")
+        axes[0, column].set_ylabel("depth $y_0/a_0$ [–]")
+        axes[1, column].set_ylabel("depth $y_0/a_0$ [–]")
+    for row, quantity in enumerate(NAMES):
+        _bar(figure, filled, axes[row], f"{NAMES[quantity]} / homogeneous [–]")
+    return figure
+
+
+def over_amplitude(found: dict[Point, Energies], m: float, depths: tuple[float, ...], title: str, note: str):
+    """Energy (top) and peak density (bottom) over k and Q_A/(mu P), a column a depth."""
+    figure, axes = panels(len(depths), title, note, rows=2, width=4.3, height=3.7)
+    amplitudes = sorted({p.amplitude for p in found if p.m == m})
+    k = sorted({p.k for p in found if p.m == m})
+    for column, depth in enumerate(depths):
+        for row, quantity in enumerate(NAMES):
+            table = [_row(ratios(found, quantity, m, amplitude, depth), k) for amplitude in amplitudes]
+            filled = _fill(axes[row, column], k, amplitudes, np.array(table))
+            axes[row, column].set(
+                xlabel="exponent $k$ [–]", ylabel=r"amplitude $Q_A/(\mu P)$ [–]", title=rf"$y_0 = {depth:g}\,a_0$"
+            )
+    for row, quantity in enumerate(NAMES):
+        _bar(figure, filled, axes[row], f"{NAMES[quantity]} / homogeneous [–]")
+    return figure
+
+
+def coupling_effect(found: dict[Point, Energies], theory: dict[Point, Energies], title: str, note: str):
+    """Simulated energy over that of the theory, over k and Q_A/(mu P), a column a profile."""
+    profiles = sorted({p.m for p in found})
+    figure, axes = panels(len(profiles), title, note, width=4.3, height=3.9)
+    levels = np.arange(-80, 11, 10)
+    for axis, m in zip(axes[0], profiles, strict=True):
+        of_m = {(p.k, p.amplitude): 100 * (e.energy / theory[p].energy - 1) for p, e in found.items() if p.m == m}
+        k, amplitudes = sorted({key[0] for key in of_m}), sorted({key[1] for key in of_m})
+        table = np.array([[of_m.get((x, y), np.nan) for x in k] for y in amplitudes])
+        filled = axis.contourf(k, amplitudes, np.ma.masked_invalid(table), levels, cmap="cividis", extend="both")
+        lines = axis.contour(k, amplitudes, np.ma.masked_invalid(table), levels, colors="white", linewidths=0.6)
+        axis.clabel(lines, fmt="%g %%", fontsize=9)
+        axis.plot(*np.array(list(of_m)).T, ".", ms=2.5, color="white")
+        axis.set(xlabel="exponent $k$ [–]", ylabel=r"amplitude $Q_A/(\mu P)$ [–]", title=shape(m))
+        axis.grid(False)
+    figure.colorbar(filled, ax=axes[0].tolist(), label=r"change of $\Delta W$ by coupling [%]")
+    return figure
+
+
+def _row(by_k, k):
+    """Values at all k: nan, a hole in the map, where a loop did not converge."""
+    return [by_k.get(one, np.nan) for one in k]
+
+
+def _fill(axis, x, y, table):
+    filled = axis.contourf(x, y, np.log2(np.ma.masked_invalid(table)), np.log2(LEVELS), cmap="PuOr_r", extend="both")
+    axis.contour(x, y, np.ma.masked_invalid(table), LEVELS[LEVELS != 1], colors=GREY, linewidths=0.6)
+    axis.contour(x, y, np.ma.masked_invalid(table), [1.0], colors="black", linewidths=2.2)
+    axis.grid(False)
+    return filled
+
+
+def _bar(figure, filled, axes, label):
+    bar = figure.colorbar(filled, ax=axes.tolist(), label=label, format=FuncFormatter(lambda v, _: _ratio(2.0**v)))
+    bar.set_ticks(np.log2(LEVELS))
+
+
+def _ratio(value, _=None):
+    return f"{value:g}" if value >= 1 else f"1/{1 / value:g}"

@@ -1,0 +1,123 @@
+"""Figures 10 and 11: slip and traction of the paper's own pairs of k and nu, coupled finite elements on the theory."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from analytic import GradedHalfPlane
+
+from .elements import Deviation, Runs, closed_field, convert
+from .setting import AMPLITUDE, MU, STATES, contact, homogeneous_units, own_units
+from .style import BLUE, COLOURS, MARKERS, PURPLE, RED, panels
+
+DEPTH = 10.0  # y0/a0
+LOADS = {"A": "$+Q_A$", "B": "$+Q_A/2$", "C": "0", "D": "$-Q_A/2$", "E": "$-Q_A$"}
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Exponent and Poisson's ratio; at the Holl ratio the closed forms are exact."""
+
+    k: float
+    nu: float
+
+    @property
+    def is_decoupled(self) -> bool:
+        """True at the Holl ratio 1/(2+k)."""
+        return abs(self.nu * (2 + self.k) - 1) < 1e-9
+
+    @property
+    def name(self) -> str:
+        """For tables."""
+        return f"k = {self.k:g}, ν = {self.nu:.5g}"
+
+    @property
+    def label(self) -> str:
+        """The same, set as mathematics."""
+        return rf"$k = {self.k:g}$, $\nu = {self.nu:.5g}$"
+
+
+NEGATIVE = Pair(-0.1, 0.495)
+HOLL = Pair(0.3, GradedHalfPlane.holl_ratio(0.3))  # the paper's 0.43478
+COUPLED = Pair(0.3, 0.3)
+NOTE = (
+    f"Lines: closed forms, exact at the Holl ratio ν = 1/(2+k) alone. Points: finite elements with coupling; "
+    f"μ = {MU:g}, which the paper does not give.\n"
+)
+
+
+def theory(pair: Pair):
+    """Normal contact and loop of a pair in units of a0."""
+    normal = contact(pair.k, DEPTH, pair.nu)
+    return normal, normal.fretting(MU, z=1 - AMPLITUDE)
+
+
+def figure10(runs: Runs):
+    """Slip at +Q_A, where the paper's (50) holds."""
+    note = (
+        NOTE
+        + rf"State A, the end of the first loading, $Q_A = {AMPLITUDE:g}\,\mu P$ as in Figure 11; "
+        + rf"$y_0 = {DEPTH:g}\,a_0$."
+    )
+    figure, axes = panels(2, "Figure 10. Relative tangential displacement (slip)", note)
+    deviations = []
+    panels_ = {"a": {NEGATIVE: (BLUE, "o")}, "b": {HOLL: (RED, "o"), COUPLED: (BLUE, "s")}}
+    for axis, (panel, curves) in zip(axes[0], panels_.items(), strict=True):
+        for pair, (colour, marker) in curves.items():
+            normal, loop = theory(pair)
+            own, units = own_units(normal, MU), homogeneous_units(normal, MU)
+            x = np.linspace(-normal.a, normal.a, 601)
+            axis.plot(x, loop.amplitude.slip(x) / units.slip, color=colour)
+            field = runs.loop(pair.k, pair.nu, AMPLITUDE, coupling=True).states["A"]
+            slip, place = convert(-field.slip, own, units, "slip"), convert(field.x, own, units, "length")
+            drawn = [i for i in field.drawn() if field.pressure[i] > 0]
+            label = pair.label + (" (Holl ratio)" if pair.is_decoupled else "")
+            axis.plot(place[drawn], slip[drawn], marker, color=colour, label=label)
+            under = np.abs(field.x) <= 1
+            closed = closed_field(normal, loop, field.x[under], loop.Q_A, "unloading")["slip"]
+            at = (field.weight[under], -field.slip[under], closed)
+            deviations.append(Deviation.of(panel, pair.name, "slip", pair.is_decoupled, *at))
+        axis.set(
+            xlabel=r"position $x/a_0$ [–]",
+            ylabel=r"slip $h_x\,/\,(\mu a_0^2/2R)$ [–]",
+            title=f"({panel})  $k = {next(iter(curves)).k:g}$",
+        )
+        axis.legend(loc="upper center")
+    return figure, deviations
+
+
+def figure11(runs: Runs):
+    """Traction at the states A ... E."""
+    note = (
+        NOTE + rf"$Q_A = {AMPLITUDE:g}\,\mu P$, $y_0 = {DEPTH:g}\,a_0$. The paper does not give the loads of B and D."
+    )
+    figure, axes = panels(2, "Figure 11. Tangential traction through the cycle", note)
+    deviations = []
+    for axis, (panel, pair) in zip(axes[0], {"a": NEGATIVE, "b": HOLL}.items(), strict=True):
+        deviations += traction_panel(axis, runs, panel, pair)
+        axis.legend(loc="upper center", ncols=3, columnspacing=1.0, handletextpad=0.3)
+        axis.set_ylim(-1.3, 1.75)
+    return figure, deviations
+
+
+def traction_panel(axis, runs: Runs, panel: str, pair: Pair):
+    """One panel of Figure 11 for any pair; its deviations."""
+    normal, loop = theory(pair)
+    own, units = own_units(normal, MU), homogeneous_units(normal, MU)
+    x = np.linspace(-1.15, 1.15, 1201) * normal.a
+    computed = runs.loop(pair.k, pair.nu, AMPLITUDE, coupling=True).states
+    deviations = []
+    for i, (state, (share, branch)) in enumerate(STATES.items()):
+        at = {"Q": share * loop.Q_A, "branch": branch}
+        colour = (BLUE, COLOURS[1], COLOURS[2], PURPLE, RED)[i]
+        axis.plot(x, loop.traction(x, **at) / units.traction, color=colour)
+        field, exact = computed[state], pair.is_decoupled
+        traction, place = convert(field.traction, own, units, "traction"), convert(field.x, own, units, "length")
+        drawn = field.drawn()
+        label = f"{state}: " + LOADS[state]
+        axis.plot(place[drawn], traction[drawn], MARKERS[i], ms=4, color=colour, label=label)
+        closed = closed_field(normal, loop, field.x, **at)["traction"]
+        name = f"{pair.name}, {state}"
+        deviations.append(Deviation.of(panel, name, "traction", exact, field.weight, field.traction, closed))
+    axis.set(xlabel=r"position $x/a_0$ [–]", ylabel=r"traction $q\,/\,(\mu p_0)$ [–]", title=f"({panel})  {pair.label}")
+    return deviations

@@ -1,0 +1,63 @@
+"""An effect that is off leaves nothing in the compiled forms: their fields and constants, counted and named."""
+
+import pytest
+from solving import coarse_simulation
+
+from simulations.indentation import DEFAULT_SCENE as INDENTATION
+
+FRICTION = {"anchor", "slid", "lagged pressure"}
+
+
+def fields(form):
+    """Names of the fields that a compiled form reads."""
+    return {field.name for field in form._cpp_object.coefficients}
+
+
+def constants(form):
+    """Number of the constants that a compiled form reads."""
+    return form.ufcx_form.num_constants
+
+
+def test_friction():
+    with_friction = coarse_simulation().solver.frictional
+    without = coarse_simulation(INDENTATION).solver.normal
+    assert FRICTION - {"lagged pressure"} <= fields(with_friction._forces)
+    assert not FRICTION & fields(without._forces)
+    assert constants(without._forces) < constants(with_friction._forces)
+    assert len(without._resultants) == 1 and len(with_friction._resultants) == 2
+
+
+def test_the_normal_stage_of_a_frictional_scene_is_frictionless_too():
+    assert not FRICTION & fields(coarse_simulation().solver.normal._forces)
+
+
+def test_coupling():
+    """Uncoupled, the tangential forms hold a pressure instead of computing one."""
+    coupled = coarse_simulation().solver.frictional
+    uncoupled = coarse_simulation(effects__coupling="false", solid__nu=0.3).solver.frictional
+    assert "pressure" in fields(uncoupled._forces) and "pressure" not in fields(coupled._forces)
+    assert "lagged pressure" not in fields(uncoupled._forces)
+    assert len(uncoupled._columns) == 1
+
+
+@pytest.mark.parametrize("k, count", [(0.0, 2), (0.3, 3)])
+def test_grading(k, count):
+    """nu and E; and k where there is a grading."""
+    assert constants(coarse_simulation(solid__k=k, solid__nu=0.3).body.stiffness_form) == count
+
+
+def test_correction_of_a_singular_modulus():
+    assert len(fields(coarse_simulation(solid__k=0.3, solid__nu=0.3).body.stiffness_form)) == 0
+    assert len(fields(coarse_simulation(solid__k=-0.3, solid__nu=0.3).body.stiffness_form)) == 1
+
+
+def test_incompressibility():
+    plain, mixed = coarse_simulation(solid__k=0.0, solid__nu=0.3), coarse_simulation(solid__k=0.0, solid__nu=0.5)
+    assert plain.body.pi is None and plain.body.unknowns == 2 * plain.body.dofs.shape[0]
+    assert mixed.body.pi is not None and mixed.body.unknowns > 2 * mixed.body.dofs.shape[0]
+
+
+def test_symmetry():
+    half = coarse_simulation(INDENTATION)
+    whole = coarse_simulation(INDENTATION, effects__symmetry="false")
+    assert half.body.unknowns < 0.52 * whole.body.unknowns
