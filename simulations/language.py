@@ -7,6 +7,9 @@ from pathlib import Path
 from typing import Any
 
 
+LONGEST = 1000  # characters of a text
+
+
 class SceneError(ValueError):
     """A scene or command line that cannot be run; the message is one line for the user."""
 
@@ -28,7 +31,7 @@ class Key:
         """What may be written, in words."""
         left, right = ("[" if self.closed[0] else "]"), ("]" if self.closed[1] else "[")
         kinds = {
-            str: " or ".join(map(json.dumps, self.choices)) or "a text",
+            str: " or ".join(map(json.dumps, self.choices)) or f"a text in one line of at most {LONGEST} characters",
             bool: "true or false",
             int: f"an integer in {left}{self.low:g}, {self.high:g}{right}",
             float: f"a number in {left}{self.low:g}, {self.high:g}{right}",
@@ -47,7 +50,8 @@ class Key:
         return read
 
     def _text(self, value):
-        return value if isinstance(value, str) and (not self.choices or value in self.choices) else None
+        good = isinstance(value, str) and (not self.choices or value in self.choices)
+        return value if good and value.isprintable() and len(value) <= LONGEST else None
 
     def _truth(self, value):
         return value if isinstance(value, bool) else None
@@ -72,7 +76,11 @@ def is_number(value) -> bool:
 
 
 def shown(value) -> str:
-    """``value`` in one line of reasonable length."""
-    text = str(value) if isinstance(value, Path) else repr(value)
-    text = "".join(c if c.isprintable() else "?" for c in text)
+    """``value`` in one line of reasonable length: as it is written, paths and messages as they are."""
+    text = one_line(str(value) if isinstance(value, Path) else repr(value))
     return text if len(text) < 80 else text[:76] + " ..."
+
+
+def one_line(text: str) -> str:
+    """``text`` without what would break the line or be no character."""
+    return "".join(c if c.isprintable() else "?" for c in " ".join(text.split()))
