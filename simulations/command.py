@@ -28,6 +28,7 @@ from .scene import Scene, parse
 
 T = TypeVar("T")
 comm = MPI.COMM_WORLD
+LARGEST_SCENE = 1_000_000
 PROBE = 1 << 18  # bytes that have to fit into the folder for results before a run begins
 STOPPING = (signal.SIGTERM, signal.SIGXCPU, signal.SIGUSR1)  # of batch systems whose time limit is near
 
@@ -102,7 +103,11 @@ def _split_petsc(arguments, options):
 
 def _read(path: Path) -> str:
     try:
+        if path.exists() and not path.is_dir() and not (path.is_file() and path.stat().st_size <= LARGEST_SCENE):
+            raise SceneError(f"scene {shown(path)} cannot be read: not a text file of at most {LARGEST_SCENE} bytes")
         return path.read_text(encoding="utf-8-sig")
+    except SceneError:
+        raise
     except (OSError, ValueError) as error:
         if isinstance(error, UnicodeDecodeError):
             raise SceneError(f"scene {shown(path)} is not TOML: it is not even text") from None
@@ -194,6 +199,7 @@ def _listen():
 
     for number in STOPPING:
         signal.signal(number, stop)
+    signal.signal(signal.SIGPIPE, signal.SIG_IGN)  # which PETSc would take for a crash
     said = set()
 
     def show(message, category, *where, **more):

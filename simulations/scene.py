@@ -249,8 +249,9 @@ def resolve(given: dict[str, Any]) -> Scene:
 
 def _hint(name: str, keys) -> str:
     """The key that was meant, or those that there are."""
-    bare = {key.rpartition(".")[2]: key for key in keys}
-    close = [bare[name]] if name in bare else difflib.get_close_matches(name, keys, n=1)
+    bare = {key.rpartition(".")[2].lower(): key for key in keys}
+    same = bare.get(name.rpartition(".")[2].lower())
+    close = [same] if same else difflib.get_close_matches(name, keys, n=1)
     if close:
         return f"did you mean {close[0]}?"
     table = name.partition(".")[0] + "."

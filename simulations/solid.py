@@ -29,14 +29,16 @@ def normal_contact(solid: GradedHalfPlane, indenter: Indenter, P: float) -> Cyli
 
 def _wide_enough(solid, profile, P):
     """A half-width that carries at least ``P``; ValueError where the profile ends before."""
-    width, growth = 1e-9 * (profile.flat or 1.0), 4.0
+    width, growth, before = 1e-9 * (profile.flat or 1.0), 4.0, 0.0
     while growth > 1 + 1e-6:
         with np.errstate(all="ignore"):
             load = ProfileContact(solid, profile, profile.flat + growth * width).P
         if load >= P:
             return profile.flat + growth * width
+        if load < before:
+            raise ValueError(f"the indenter's profile is not convex up to x = {profile.flat + growth * width:.3g}")
         if load < P:
-            width *= growth
+            width, before = width * growth, load
         else:  # not a number: beyond the end of the profile
             growth **= 0.5
     raise ValueError(f"the indenter's profile ends at x = {profile.flat + width:.3g}, before it carries P")
