@@ -112,7 +112,7 @@ def remove(folder: Path):
 
 
 def load(folder: Path) -> Saved:
-    """The run in ``folder``; without a checkpoint its scene alone. SceneError where there is none, or it does not fit."""
+    """The run in ``folder``; without a checkpoint its scene alone. SceneError where none is or it does not fit."""
     try:
         text = (folder / SCENE).read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
@@ -148,6 +148,8 @@ def load(folder: Path) -> Saved:
 
 def restore(saved: Saved, simulation: Simulation):
     """Take a new Simulation to where ``saved`` was left."""
+    if saved.states is None or saved.memory is None or saved.seconds is None:
+        return
     sampler, solver, done = simulation.sampler, simulation.solver, simulation.programme[: saved.increments]
     for increment, row in zip(done, saved.states, strict=True):
         surface = SurfaceState(sampler.x, sampler.weight, **{name: row[name].copy() for name in NODAL})

@@ -1,8 +1,8 @@
 """What every command shares: reading its command line under MPI, and ending well.
 
 Rank 0 alone reads, checks and speaks. Wrong input ends every rank with exit code 2 and one line; a failed solve or
-results that cannot be written with 1; a signal with 128 and its number. Anything unforeseen aborts all ranks, so that none
-waits for another.
+results that cannot be written with 1; a signal with 128 and its number. Anything unforeseen aborts all ranks, so that
+none waits for another.
 """
 
 import argparse
@@ -74,7 +74,7 @@ def read_request(arguments: list[str], program: str, description: str | None, de
     given = parser.parse_args(own)
     if given.resume is not None:
         if given.scene is not None or given.set or given.output is not None or given.explain:
-            raise SceneError("--resume takes no scene, --output, --set or --explain: scene.toml in its folder says it all")
+            raise SceneError("--resume takes no scene, --output, --set or --explain: its folder has the scene")
         saved = checkpoint.load(given.resume)
         folder = given.resume if saved.complete else writable(given.resume, "--resume")
         return Request(saved.scene, folder, petsc, False, given.quiet, saved)
@@ -115,7 +115,7 @@ def _read(path: Path) -> str:
 
 
 def writable(folder: Path, option: str = "--output") -> Path:
-    """``folder``, made where it is missing; SceneError where results cannot be written, and then nothing is left of it."""
+    """``folder``, made where it is missing; SceneError, and nothing left of it, where results cannot be written."""
     try:
         missing = [parent for parent in (folder, *folder.parents) if not parent.exists()]
         try:

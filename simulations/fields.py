@@ -19,9 +19,9 @@ DISPLACEMENT, STRESS, VON_MISES = "displacement [m]", "stress xx, yy, xy [Pa]", 
 class FieldWriter:
     """fields.xdmf and fields/*.h5 in SI units on the physical mesh: x along the surface, y the depth.
 
-    Displacement at the vertices; stress (xx, yy, xy) and von Mises stress of plane strain at cell centres. A file a state,
-    and an index of the states that are whole; the numbering is that of the columns and layers, whatever the ranks.
-    Every rank calls ``write``; rank 0 writes.
+    Displacement at the vertices; stress (xx, yy, xy) and von Mises stress of plane strain at cell centres. A file a
+    state, and an index of the states that are whole; the numbering is that of the columns and layers, whatever the
+    ranks. Every rank calls ``write``; rank 0 writes.
     """
 
     def __init__(self, folder: Path, numbering: Numbering, scales: Scales):
@@ -37,7 +37,7 @@ class FieldWriter:
         self._stress.interpolate(self._stress_expression)
         u = self.numbering.gather(self.body.state.x.array)
         stress = self.numbering.gather_cells(self._stress.x.array.reshape(-1, 4))
-        if u is not None:
+        if u is not None and stress is not None:
             (self.folder / FOLDER).mkdir(exist_ok=True)
             mesh = self._path("mesh")
             if not mesh.exists():

@@ -62,7 +62,8 @@ class Indenter:
             return PowerProfile(*self._power)
         slope = sympy.diff(self.formula, DISTANCE)
         derivatives = self.formula, slope, sympy.diff(slope, DISTANCE)
-        return Profile(*map(self._numpy, derivatives), flat=self.flat, order=self.order)
+        f, df, ddf = map(self._numpy, derivatives)
+        return Profile(f, df, ddf, flat=self.flat, order=self.order)
 
     @cached_property
     def order(self) -> float:
@@ -75,7 +76,8 @@ class Indenter:
         with np.errstate(all="ignore"):
             f = self.height(x)
         if not np.all(np.isfinite(f)):
-            return f"it has no finite value at x = {x[~np.isfinite(f)][0]:g}, and the contact is about {length:.3g} wide"
+            at = x[~np.isfinite(f)][0]
+            return f"it has no finite value at x = {at:g}, and the contact is about {length:.3g} wide"
         size = np.ptp(f)
         if f[0] != 0:
             return f"f(0) = {f[0]:g} is not 0"

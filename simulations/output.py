@@ -40,7 +40,7 @@ class OutputError(RuntimeError):
 
 @contextmanager
 def on_disk(path: Path) -> Iterator[Path]:
-    """A neighbour to write ``path`` to; it takes its place when it is whole and on the disk, and leaves no trace else."""
+    """A neighbour to write ``path`` to; it takes its place once whole and on the disk, or leaves no trace."""
     partial = path.with_name("part." + path.name)
     try:
         yield partial

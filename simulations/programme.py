@@ -83,7 +83,7 @@ def visiting(start: tuple[float, float], points: list[tuple[float, float]], incr
         direction = int(np.sign(Q - start[1]))
         for z in np.arange(1, increments + 1) / increments:
             load = [before + z * (after - before) for before, after in zip(start, (P, Q))]
-            programme.append(Increment(*load, branch, direction=direction))
+            programme.append(Increment(load[0], load[1], branch, direction=direction))
         programme[-1] = replace(programme[-1], state=str(number) if branch == "path" else "")
         start = P, Q
     return programme
@@ -93,7 +93,8 @@ class LoadProgramme:
     """Runs increments on a half-plane, each by the problem of its stage.
 
     normal: the frictionless problem; frictional: the one that takes over when tangential loading starts, or from
-    the first contact on (``friction_first``), or None; system: function from a problem to the newton.System that solves it.
+    the first contact on (``friction_first``), or None; system: function from a problem to the newton.System that
+    solves it.
     """
 
     def __init__(self, normal: ContactProblem, frictional: ContactProblem | None, system, mu=0.0, friction_first=False):
@@ -184,8 +185,8 @@ class LoadProgramme:
         if depth == MAX_CUTS:
             raise SolveError(
                 f"no equilibrium between (P, Q) = ({before.P:.4g}, {before.Q:.4g}) and ({after.P:.4g}, {after.Q:.4g}) "
-                f"({after.branch}): {failed.reason}, and at last {result.reason}; force residual {failed.residual:.1e} P after "
-                f"{failed.iterations} iterations and {depth} halvings of the increment"
+                f"({after.branch}): {failed.reason}, and at last {result.reason}; force residual "
+                f"{failed.residual:.1e} P after {failed.iterations} iterations and {depth} halvings of the increment"
             )
         P = (before.P + after.P) / 2 if Y in self.problem.directions else after.P
         middle = replace(after, P=P, Q=(before.Q + after.Q) / 2, state="")

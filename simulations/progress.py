@@ -1,4 +1,4 @@
-"""What a run says while it goes: a line an increment with the time left, or one line that is written over on a terminal."""
+"""What a run says while it goes: a line an increment with the time left; on a terminal one line, written over."""
 
 import shutil
 import sys

@@ -43,9 +43,9 @@ def versions() -> dict[str, str]:
 
 
 def begin(folder: Path, scene: Scene):
-    """Make ``folder`` that of a new run: nothing of an earlier one, and the scene. SceneError where it cannot be written.
+    """Make ``folder`` that of a new run: nothing of an earlier one, and the scene.
 
-    The scene goes first and comes last: a folder with a scene can be resumed.
+    The scene goes first and comes last: a folder with a scene can be resumed. SceneError where it cannot be written.
     """
     try:
         (folder / "scene.toml").unlink(missing_ok=True)

@@ -77,7 +77,8 @@ OWN_KEYS: dict[str, Key] = {
     "reference.kind": Key(kind=str, default="auto", choices=("auto", "closed form", "half-plane", "none")),
 }
 Y0, THICKNESS = ("solid.y0", "solid.y0_over_a0"), ("solid.thickness", "solid.thickness_over_a0")  # one of each two
-NEEDED = {  # by choice: keys that are needed, and allowed, with it alone; a tuple inside stands for one of its keys
+# by choice: keys that are needed, and allowed, with it alone; a tuple inside stands for one of its keys
+NEEDED: dict[str, dict[str, tuple[str | tuple[str, ...], ...]]] = {
     "solid.modulus": {
         "power law": ("solid.k", Y0),
         "homogeneous": (),
@@ -213,7 +214,7 @@ def flatten(document: dict) -> dict[str, Any]:
 
 def parse(text: str, overrides: tuple[str, ...] = ()) -> Scene:
     """Scene from TOML text and ``key=value`` overrides; SceneError says in one line what is wrong."""
-    given = _toml(text)
+    given = read_keys(text)
     for override in overrides:
         key, equals, value = override.partition("=")
         if not equals:
@@ -365,7 +366,8 @@ def _check_points(points, mu):
             raise SceneError(f"load.points = {shown(points)} is not allowed: |Q| < mu P, here P = {P:g}, Q = {Q:g}")
 
 
-def _toml(text: str) -> dict[str, Any]:
+def read_keys(text: str) -> dict[str, Any]:
+    """The flat keys of a TOML text as they are written, unchecked."""
     try:
         return flatten(tomllib.loads(text))
     except SceneError:

@@ -76,7 +76,8 @@ def modulus(scene: Scene, length: float, stress: float) -> Modulus:
         return PowerLaw.of(0.0, E0)
     if kind in ("power law", "power-law coating"):
         return PowerLaw.of(scene.k, E0 * (length / scene["solid.y0"]) ** scene.k, thickness)
-    return Coating(E0, scene["solid.E_substrate"] / stress, thickness, kind == "exponential")
+    substrate = scene["solid.E_substrate"] / stress
+    return Coating(E0, substrate, thickness, kind == "exponential")  # type: ignore[return-value]
 
 
 def kernel(scene: Scene, law: Modulus, solid: GradedHalfPlane) -> GradedHalfPlane | LayeredKernel:

@@ -73,7 +73,10 @@ def test_commands_end_with_code_2(case, ranks, folder):
     check(own[0], words)
 
 
-@pytest.mark.parametrize("key", ["solid.E0", "solid.k", "solid.nu", "indenter.R", "load.P", "load.mu", "load.amplitude"])
+NEEDED = ("solid.E0", "solid.k", "solid.nu", "indenter.R", "load.P", "load.mu", "load.amplitude")
+
+
+@pytest.mark.parametrize("key", NEEDED)
 def test_missing_key_is_named(key):
     name = key.partition(".")[2]
     text = "\n".join(line for line in DEFAULT_SCENE.splitlines() if not line.startswith(f"{name} "))

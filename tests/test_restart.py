@@ -131,7 +131,8 @@ def test_from_every_moment_of_writing(case, tmp_path, monkeypatch):
         arguments = coarse_arguments("", reference__kind='"none"', **SCENES[case])[:-2]
     else:
         (tmp_path / "scene.toml").write_text(path_scene(POINTS[case]))
-        arguments = [str(tmp_path / "scene.toml"), *coarse_arguments("", reference__kind='"none"', solver__increments=1)[:-2]]
+        coarse = coarse_arguments("", reference__kind='"none"', solver__increments=1)[:-2]
+        arguments = [str(tmp_path / "scene.toml"), *coarse]
     expected = tmp_path / "expected"
     moments = snapshots_of(arguments, expected, monkeypatch, tmp_path)
     whole = [folder for folder in moments if (folder / "scene.toml").exists()]
@@ -289,7 +290,10 @@ def test_a_scene_changed_since_is_refused(stopped, capfd):
     assert "changed afterwards" in refusal(capfd, "--resume", stopped)
 
 
-@pytest.mark.parametrize("name, content", [("memory.npz", b"PK\3\4 nonsense"), ("memory.npz", b""), ("states.bin", b"1")])
+DAMAGE = [("memory.npz", b"PK\3\4 nonsense"), ("memory.npz", b""), ("states.bin", b"1")]
+
+
+@pytest.mark.parametrize("name, content", DAMAGE)
 def test_damaged_checkpoint_is_refused(stopped, capfd, name, content):
     (stopped / "checkpoint" / name).write_bytes(content)
     assert "checkpoint cannot be read" in refusal(capfd, "--resume", stopped)
