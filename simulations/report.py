@@ -9,23 +9,31 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 
-from .command import Parser, comm, on_root, run, say
+from .command import Parser, on_root, run, say
 from .language import SceneError, shown
 from .output import write_text
 
 PAGE = "report.html"
 STYLE = """body{font:15px/1.5 sans-serif;max-width:62em;margin:2em auto;padding:0 1em;color:#222}
-table{border-collapse:collapse;margin:.5em 0}td,th{border-bottom:1px solid #ddd;padding:.15em .8em .15em 0;text-align:left}
+table{border-collapse:collapse;margin:.5em 0}td,th{border-bottom:1px solid #ddd;text-align:left}
+td,th{padding:.15em .8em .15em 0}
 td.n{text-align:right;font-variant-numeric:tabular-nums}pre{background:#f5f5f5;padding:.8em;overflow-x:auto}
 img{max-width:100%}.bad{color:#a00;font-weight:bold}"""
 
 
 def main(arguments: list[str]):
     """Read the folder, write its page."""
-    folder = on_root(lambda: read(arguments))
-    if comm.rank == 0:
-        write_text(folder / PAGE, page(folder))
-    say(f"written: {folder / PAGE}")
+    say(f"written: {on_root(lambda: write(read(arguments)))}")
+
+
+def write(folder: Path) -> Path:
+    """Make the page of ``folder``; SceneError where it cannot be written."""
+    text = page(folder)
+    try:
+        write_text(folder / PAGE, text)
+    except OSError as error:
+        raise SceneError(f"{shown(folder / PAGE)} cannot be written: {error.strerror}") from None
+    return folder / PAGE
 
 
 def read(arguments: list[str]) -> Path:
@@ -50,18 +58,20 @@ def page(folder: Path) -> str:
         parts = [_verdict(summary), _results(summary), _errors(summary)]
         if (folder / "fretting.png").is_file():
             parts.append(_image((folder / "fretting.png").read_bytes(), "pressure, traction and friction loop"))
-        parts += ["<h2>Effects</h2>", _effects(summary), "<h2>Convergence</h2>", _image(_convergence(rows), "convergence")]
+        parts += ["<h2>Effects</h2>", _effects(summary)]
+        parts += ["<h2>Convergence</h2>", _image(_convergence(rows), "convergence")]
         parts += [_history(rows), "<h2>Scene</h2>", f"<pre>{html.escape(scene)}</pre>"]
         parts += ["<h2>Versions and seconds</h2>", _table(summary["versions"]), _table(summary["seconds"])]
-    except (KeyError, TypeError, ValueError, OSError) as error:
+    except (KeyError, IndexError, TypeError, AttributeError, ValueError, OSError) as error:
         raise SceneError(f"{shown(folder)}: its files are not those of a run: {error!r}") from None
     head = f"<meta charset='utf-8'><title>{html.escape(title)}</title><style>{STYLE}</style>"
-    return f"<!doctype html><html lang='en'><head>{head}</head><body><h1>{html.escape(title)}</h1>{''.join(parts)}</body></html>"
+    body = f"<h1>{html.escape(title)}</h1>{''.join(parts)}"
+    return f"<!doctype html><html lang='en'><head>{head}</head><body>{body}</body></html>"
 
 
 def _verdict(summary):
-    sizes = f"{summary['increments']} increments, {summary['newton_iterations']} Newton iterations, {summary['cuts']} cuts"
-    sizes += f", {summary['dofs']} unknowns on {summary['ranks']} rank(s)"
+    sizes = f"{summary['increments']} increments, {summary['newton_iterations']} Newton iterations"
+    sizes += f", {summary['cuts']} cuts, {summary['dofs']} unknowns on {summary['ranks']} rank(s)"
     resumed = f", resumed {summary['resumed']} times" if summary.get("resumed") else ""
     if summary["converged"]:
         return f"<p>Converged: {sizes}{resumed}.</p>"
@@ -115,8 +125,8 @@ def _table(values):
     def written(value):
         return f"{value:.6g}" if isinstance(value, float) else str(value)
 
-    rows = (f"<tr><td>{html.escape(str(n))}</td><td class='n'>{html.escape(written(v))}</td></tr>" for n, v in values.items())
-    return f"<table>{''.join(rows)}</table>"
+    cells = ((html.escape(str(name)), html.escape(written(value))) for name, value in values.items())
+    return f"<table>{''.join(f'<tr><td>{name}</td><td class=n>{value}</td></tr>' for name, value in cells)}</table>"
 
 
 def _image(content: bytes, name: str):
