@@ -20,7 +20,9 @@ from .depth import DepthMap
 class Modulus(Protocol):
     """What the forms and the mesh ask of E(y). ``thickness``: depth below which E is constant."""
 
-    thickness: Any
+    @property
+    def thickness(self) -> Any:
+        """Depth."""
 
     @property
     def surface_factor(self) -> float:
@@ -51,8 +53,10 @@ class Parametric:
 
     def with_parameters(self, make: Callable[[float], Expr]):
         """The same modulus with ``make(value)`` in place of every finite parameter."""
-        values = {f.name: getattr(self, f.name) for f in fields(self) if f.type in (Any, "Any")}
-        return replace(self, **{name: make(value) for name, value in values.items() if np.isfinite(value)})
+        names = [f.name for f in fields(self) if f.type in (Any, "Any")]  # type: ignore[arg-type]
+        values = {name: getattr(self, name) for name in names}
+        made = {name: make(value) for name, value in values.items() if np.isfinite(value)}
+        return replace(self, **made)  # type: ignore[type-var]
 
 
 @dataclass(frozen=True)
@@ -103,8 +107,8 @@ class PowerLaw(Parametric):
     def surface_moduli(self, h, depth: DepthMap):
         """Finite surface values ``(along, into)`` for a first cell of height ``h`` in the mesh depth.
 
-        On the surface ``E`` is zero or infinite, so that the exact mean over the cell stands for it. In the smooth depth
-        coordinate ``E/(dy/ds)`` is the constant ``1 - k``; without it, the cell mean again.
+        On the surface ``E`` is zero or infinite, so that the exact mean over the cell stands for it. In the smooth
+        depth coordinate ``E/(dy/ds)`` is the constant ``1 - k``; without it, the cell mean again.
         """
         k = self.k
         if self.sign == 0:

@@ -36,7 +36,11 @@ class Case:
 
 
 CASES = (
-    Case("grading, k = 0.3", ("effects.coupling=false", *LOOP), ("effects.coupling=false", "effects.grading=false", *LOOP)),
+    Case(
+        "grading, k = 0.3",
+        ("effects.coupling=false", *LOOP),
+        ("effects.coupling=false", "effects.grading=false", *LOOP),
+    ),
     Case(
         "friction, normal stage (off: half of the body)",
         ("effects.friction_in_normal_stage=true", "solver.normal_increments=1", *LOOP),
@@ -60,9 +64,9 @@ COLUMNS = ("effect", "switch", "unknowns", "increments", "seconds", "seconds_per
 HEAD = """\
 # What each effect costs and changes
 
-`python -m simulations.ablation` on the default mesh density, facets a/40. Seconds are processor seconds an increment, mesh, assembly
-and condensation shared out, without compilation; *ratio* is on over off. *Change* is what switching the effect off does to
-the last state's pressure and traction (relative L2) and to the dissipated energy.
+`python -m simulations.ablation` on the default mesh density, facets a/40. Seconds are processor seconds an increment,
+mesh, assembly and condensation shared out, without compilation; *ratio* is on over off. *Change* is what switching
+the effect off does to the last state's pressure and traction (relative L2) and to the dissipated energy.
 
 | effect | unknowns on / off | s per increment on / off | ratio | change in p | in q | in energy |
 |---|---|---|---|---|---|---|

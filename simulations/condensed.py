@@ -234,6 +234,15 @@ class CondensedSystem:
         self._show(forces, rigid)
         self._left = body.state.x.array[self.compliance.strip_dofs], forces
 
+    def last_forces(self) -> np.ndarray:
+        """Contact forces that ``finish`` left, direction by direction, sorted by x."""
+        return np.zeros(0) if self._left is None else self._left[1]
+
+    def take_up(self, forces: np.ndarray):
+        """Go on from fields that an earlier run's ``finish`` left with these forces."""
+        if forces.size:
+            self._left = self.problem.body.state.x.array[self.compliance.strip_dofs], forces
+
     def _show(self, forces, rigid, with_offset=True):
         """Displacements of the strip under ``forces``, and the rigid motion, into the problem's fields."""
         body = self.problem.body

@@ -1,7 +1,7 @@
 """Which physical effects a scene calls for, and why. One entry an effect; everything else asks here.
 
-To add an effect, write its integrand in ``forms/`` and an entry in ALL: the keys it adds to the scene language, when it is
-on, and the term that it adds to the virtual work.
+To add an effect, write its integrand in ``forms/`` and an entry in ALL: the keys it adds to the scene language, when it
+is on, and the term that it adds to the virtual work.
 """
 
 from __future__ import annotations

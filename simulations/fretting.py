@@ -1,8 +1,12 @@
 """Press a rigid cylinder onto a graded half-plane and rock it:  python -m simulations.fretting [SCENE.toml]."""
 
+import sys
+
+from . import checkpoint
 from .command import comm, on_root, read_request, run, say, set_petsc_options
 from .explain import explain
-from .results import FILES, Results
+from .progress import Progress
+from .results import Results, begin, files
 from .scene import DEFAULT_SCENE
 from .simulation import Simulation
 
@@ -10,34 +14,44 @@ from .simulation import Simulation
 def main(arguments: list[str], program: str = "simulations.fretting", description=__doc__, default=DEFAULT_SCENE):
     """Read the scene, run it, keep what it yields, and print the results beside the closed form."""
     request = on_root(lambda: read_request(arguments, program, description, default))
+    saved, folder = request.saved, request.output
+    if saved and saved.complete:
+        say(f"{folder} is complete: nothing is left to do")
+        return
+    if not request.explain and not saved:
+        on_root(lambda: begin(folder, request.scene))
+    if not request.quiet:
+        say("preparing mesh and forms (the first run compiles them, some ten seconds)")
     set_petsc_options(request.petsc)
-    say("preparing mesh and forms (the first run compiles them, some ten seconds)")
-    simulation = Simulation(comm, request.scene)
+    simulation = Simulation(comm, request.scene, saved.cells if saved else None)
     if request.explain:
         say(explain(simulation))
         return
-    total = len(simulation.programme)
-    say(f"{request.scene['title'] or 'fretting'}: {simulation.body.unknowns} unknowns, {comm.size} rank(s)")
-    with Results(request.output, simulation) as results:
-        for number, entry in enumerate(simulation.run(), start=1):
-            results.record(entry)
-            say(f"{number:4d}/{total}  {describe(entry, simulation)}")
+    if saved and saved.increments:
+        checkpoint.restore(saved, simulation)
+    go(simulation, folder, request.quiet, f"python -m {program} --resume {folder}")
+
+
+def go(simulation: Simulation, folder, quiet: bool, again: str):
+    """Run to the end, with files in ``folder`` and progress; ``again`` is the command that goes on if it stops."""
+    progress = Progress(simulation, quiet)
+    title = simulation.scene["title"] or "fretting"
+    progress.say(f"{title}: {simulation.body.unknowns} unknowns, {comm.size} rank(s)")
+    if simulation.history.entries:
+        progress.say(f"going on after increment {len(simulation.history.entries)}/{progress.total}")
+    try:
+        with Results(folder, simulation, again) as results:
+            for entry in simulation.run():
+                results.record(entry)
+                progress.step(entry)
+    except KeyboardInterrupt as stop:
+        say(f"{stop or 'interrupted'}; go on with {again}", file=sys.stderr)
+        raise
     if comm.rank == 0:
-        say(f"\n{results.table()}")
+        progress.say(f"\n{results.table()}")
         seconds = "  ".join(f"{phase} {value:.1f} s" for phase, value in results.summary["seconds"].items())
-        say(f"{results.summary['newton_iterations']} Newton iterations;  {seconds}")
-        say(f"written to {request.output}: {', '.join(FILES)}")
-
-
-def describe(entry, simulation: Simulation) -> str:
-    """One line of progress."""
-    increment = entry.increment
-    load = f"P = {increment.P:.3f} P_max   a = {entry.a * simulation.scaled.scales.length:.4g} m"
-    if increment.branch != "normal":
-        share = f"Q/(mu P) = {increment.Q / (simulation.mu * increment.P):+.3f}   c/a = {entry.c / entry.a:.4f}"
-        load = share if simulation.scene.is_loop else f"P = {increment.P:.3f} P_max   {share}"
-    cuts = f", {entry.cuts} cuts" if entry.cuts else ""
-    return f"{increment.branch:9s} {load}   {entry.iterations} iterations{cuts}, {entry.seconds:.2f} s"
+        progress.say(f"{results.summary['newton_iterations']} Newton iterations;  {seconds}")
+        progress.say(f"written to {folder}: {', '.join(files())}")
 
 
 if __name__ == "__main__":

@@ -21,6 +21,7 @@ class Entry:
     iterations: int
     cuts: int
     residual: float
+    imbalance: float
     seconds: float
 
     @property
@@ -74,6 +75,7 @@ class History:
             iterations=outcome.iterations,
             cuts=outcome.cuts,
             residual=outcome.results[-1].residual,
+            imbalance=outcome.results[-1].imbalance,
             seconds=seconds,
         )
         self.entries.append(entry)

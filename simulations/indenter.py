@@ -4,8 +4,11 @@ A formula is read by sympy, so that one text gives the weak form its f and the c
 """
 
 import ast
+import operator
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from math import isfinite
 
 import numpy as np
 import sympy
@@ -13,11 +16,22 @@ import ufl
 
 from analytic import PowerProfile, Profile
 
-from .language import SceneError
+from .language import SceneError, shown
 
 DISTANCE = sympy.Symbol("x", nonnegative=True)  # |x| - flat >= 0
 FUNCTIONS = ("sqrt", "exp", "log", "sin", "cos", "tan", "sinh", "cosh", "tanh")
 NAMES = ("x", "R", "pi")
+LONGEST = 500  # characters of a formula
+OPERATIONS: dict[type, Callable] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+    ast.Pow: operator.pow,
+    ast.BitXor: operator.pow,  # as sympy reads ^
+    ast.USub: operator.neg,
+    ast.UAdd: operator.pos,
+}
 UFL = {name: getattr(ufl, {"log": "ln"}.get(name, name)) for name in FUNCTIONS}
 
 
@@ -48,7 +62,8 @@ class Indenter:
             return PowerProfile(*self._power)
         slope = sympy.diff(self.formula, DISTANCE)
         derivatives = self.formula, slope, sympy.diff(slope, DISTANCE)
-        return Profile(*map(self._numpy, derivatives), flat=self.flat, order=self.order)
+        f, df, ddf = map(self._numpy, derivatives)
+        return Profile(f, df, ddf, flat=self.flat, order=self.order)
 
     @cached_property
     def order(self) -> float:
@@ -61,14 +76,15 @@ class Indenter:
         with np.errstate(all="ignore"):
             f = self.height(x)
         if not np.all(np.isfinite(f)):
-            return f"it has no finite value at x = {x[~np.isfinite(f)][0]:g}, and the contact is about {length:.3g} wide"
+            at = x[~np.isfinite(f)][0]
+            return f"it has no finite value at x = {at:g}, and the contact is about {length:.3g} wide"
         size = np.ptp(f)
         if f[0] != 0:
             return f"f(0) = {f[0]:g} is not 0"
         bend = np.diff(f, 2)
         if f[1] < 0 or size == 0 or np.any(bend < -1e-12 * size):
             at = x[1 + np.argmin(bend)]
-            return f"it is not convex (it bends the other way at x = {at:.3g})" if size else "it is flat"
+            return f"it is not convex and growing (see x = {at:.3g})" if size else "it is flat"
         return None
 
     @cached_property
@@ -107,18 +123,48 @@ def read_formula(key: str, text: str, R: float | None) -> sympy.Expr:
     names = NAMES if R else tuple(name for name in NAMES if name != "R")
     allowed = f"arithmetic with {', '.join(names)} and {', '.join(FUNCTIONS)}"
     try:
-        for node in ast.walk(ast.parse(text, mode="eval")):
-            known = isinstance(node, (ast.Expression, ast.BinOp, ast.UnaryOp, ast.operator, ast.unaryop, ast.Load))
-            number = isinstance(node, ast.Constant) and isinstance(node.value, (int, float))
-            call = isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in FUNCTIONS
-            name = isinstance(node, ast.Name) and node.id in (*names, *FUNCTIONS)
-            if not (known or number or call or name):
-                raise SceneError(f"{key} = {text!r} is not allowed: {allowed}")
-        formula = sympy.sympify(text, locals={"x": DISTANCE, "R": R})
+        if len(text) > LONGEST:
+            raise SceneError(f"{key} = {shown(text)} is not allowed: at most {LONGEST} characters")
+        tree = ast.parse(text.strip(), mode="eval")
+        if not all(_is_arithmetic(node, names) for node in ast.walk(tree)):
+            raise SceneError(f"{key} = {shown(text)} is not allowed: {allowed}")
+        _constant(tree.body)
+        formula = sympy.sympify(text.strip(), locals={"x": DISTANCE, "R": R})
         if not isinstance(formula, sympy.Expr) or not formula.has(DISTANCE):
-            raise SceneError(f"{key} = {text!r} is not allowed: it has to depend on x")
+            raise SceneError(f"{key} = {shown(text)} is not allowed: it has to depend on x")
+        if formula.has(sympy.zoo, sympy.nan, sympy.oo, sympy.I) or not isfinite(Indenter(formula).order):
+            raise SceneError(f"{key} = {shown(text)} is not allowed: it is not a real function that begins like x^m")
         return formula
-    except (SyntaxError, TypeError, ValueError, sympy.SympifyError) as error:
-        if isinstance(error, SceneError):
-            raise
-        raise SceneError(f"{key} = {text!r} is not allowed: {allowed}") from None
+    except SceneError:
+        raise
+    except ArithmeticError:
+        raise SceneError(f"{key} = {shown(text)} is not allowed: it has numbers that no float holds") from None
+    except (SyntaxError, TypeError, ValueError, AttributeError, RecursionError, MemoryError, NotImplementedError):
+        raise SceneError(f"{key} = {shown(text)} is not allowed: {allowed}") from None
+
+
+def _is_arithmetic(node, names):
+    if isinstance(node, ast.Constant):
+        return type(node.value) in (int, float)
+    if isinstance(node, ast.Call):
+        return isinstance(node.func, ast.Name) and node.func.id in FUNCTIONS and len(node.args) == 1
+    if isinstance(node, ast.Name):
+        return node.id in (*names, *FUNCTIONS)
+    return isinstance(node, (ast.Expression, ast.BinOp, ast.UnaryOp, ast.Load, *OPERATIONS))
+
+
+def _constant(node) -> float | None:
+    """Value of a part without names; OverflowError or ZeroDivisionError before sympy computes it with all digits."""
+    if isinstance(node, ast.Constant):
+        return float(node.value)
+    if isinstance(node, ast.UnaryOp):
+        value = _constant(node.operand)
+        return None if value is None else abs(value)
+    if isinstance(node, ast.Call):
+        _constant(node.args[0])
+    if isinstance(node, ast.BinOp):
+        left, right = _constant(node.left), _constant(node.right)
+        if left is not None and right is not None:
+            value = OPERATIONS[type(node.op)](left, right)
+            return value if isinstance(value, float) else None
+    return None

@@ -3,7 +3,11 @@
 import json
 from dataclasses import dataclass
 from math import inf, isfinite
+from pathlib import Path
 from typing import Any
+
+
+LONGEST = 1000  # characters of a text
 
 
 class SceneError(ValueError):
@@ -27,7 +31,7 @@ class Key:
         """What may be written, in words."""
         left, right = ("[" if self.closed[0] else "]"), ("]" if self.closed[1] else "[")
         kinds = {
-            str: " or ".join(map(json.dumps, self.choices)) or "a text",
+            str: " or ".join(map(json.dumps, self.choices)) or f"a text in one line of at most {LONGEST} characters",
             bool: "true or false",
             int: f"an integer in {left}{self.low:g}, {self.high:g}{right}",
             float: f"a number in {left}{self.low:g}, {self.high:g}{right}",
@@ -42,11 +46,12 @@ class Key:
         readers = {str: self._text, bool: self._truth, int: self._number, float: self._number, list: self._pairs}
         read = readers[self.kind](value)
         if read is None:
-            raise SceneError(f"{name} = {_shown(value)} is not allowed: {self.allowed}")
+            raise SceneError(f"{name} = {shown(value)} is not allowed: {self.allowed}")
         return read
 
     def _text(self, value):
-        return value if isinstance(value, str) and (not self.choices or value in self.choices) else None
+        good = isinstance(value, str) and (not self.choices or value in self.choices)
+        return value if good and value.isprintable() and len(value) <= LONGEST else None
 
     def _truth(self, value):
         return value if isinstance(value, bool) else None
@@ -70,6 +75,12 @@ def is_number(value) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) < 1e308 and isfinite(value)
 
 
-def _shown(value) -> str:
-    text = repr(value)
+def shown(value) -> str:
+    """``value`` in one line of reasonable length: as it is written, paths and messages as they are."""
+    text = one_line(str(value) if isinstance(value, Path) else repr(value))
     return text if len(text) < 80 else text[:76] + " ..."
+
+
+def one_line(text: str) -> str:
+    """``text`` without what would break the line or be no character."""
+    return "".join(c if c.isprintable() else "?" for c in " ".join(text.split()))

@@ -25,6 +25,7 @@ BULK_OPTIONS = {
 }
 FORCE_TOLERANCE = 1e-9  # force residual / P
 LOAD_TOLERANCE = 1e-9  # load imbalance / P
+SETTLED = 1e-11  # force residual / P above which a balanced state gets one more step: what is left of a long first one
 STEP_TOLERANCE = 1e-11  # a step this small (relative) ends the iteration if round-off holds the residual up ...
 ATTAINABLE = 1e-6  # ... below this
 
@@ -63,6 +64,12 @@ class System(Protocol):
 
     def finish(self, x: PETSc.Vec):
         """Leave the state ``x`` in the problem's fields."""
+
+    def last_forces(self) -> np.ndarray:
+        """Contact forces that ``finish`` left, beyond what the fields hold; empty where they hold all."""
+
+    def take_up(self, forces: np.ndarray):
+        """Go on from fields that an earlier run's ``finish`` left with these forces."""
 
 
 def with_defaults(prefix: str, defaults: dict, configure):
@@ -116,6 +123,7 @@ class Newton:
         self.snes.ksp.pc.setPythonContext(_Operator(system))
         with_defaults(prefix, SNES_OPTIONS, self.snes.setFromOptions)
         self._scale, self._norms = 1.0, (np.inf, np.inf)
+        self._polished = False
         self.after_linearise = lambda: None  # called with the fields at the iterate
 
     def solve(self, load, predict=None) -> NewtonResult:
@@ -123,7 +131,7 @@ class Newton:
 
         predict: a Constant that is 1 during one preliminary step (the all-stick predictor), or None.
         """
-        self._scale = abs(load[1])
+        self._scale, self._polished = abs(load[1]), False
         self.system.begin(load, self.x)
         if predict is not None:
             predict.value = 1.0
@@ -173,12 +181,16 @@ class Newton:
         reason = PETSc.SNES.ConvergedReason
         if not np.isfinite(norms[2]):
             return reason.DIVERGED_FNORM_NAN
+        last = iteration >= snes.getTolerances()[3]
         if self._balanced():
-            return reason.CONVERGED_FNORM_ABS
+            if force <= SETTLED or iteration == 0 or last or self._polished:
+                return reason.CONVERGED_FNORM_ABS
+            self._polished = True
+            return reason.CONVERGED_ITERATING
         small_step = iteration > 0 and norms[1] <= STEP_TOLERANCE * norms[0]
         if small_step and force <= ATTAINABLE and imbalance <= 10 * LOAD_TOLERANCE:
             return reason.CONVERGED_SNORM_RELATIVE
-        if iteration >= snes.getTolerances()[3]:
+        if last:
             return reason.DIVERGED_MAX_IT
         return reason.CONVERGED_ITERATING
 

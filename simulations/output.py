@@ -4,6 +4,8 @@ import csv
 import io
 import json
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import h5py
@@ -32,11 +34,39 @@ MEANING = {
 }
 
 
+class OutputError(RuntimeError):
+    """The results cannot be written; the message is one line and says how to go on."""
+
+
+@contextmanager
+def on_disk(path: Path) -> Iterator[Path]:
+    """A neighbour to write ``path`` to; it takes its place once whole and on the disk, or leaves no trace."""
+    partial = path.with_name("part." + path.name)
+    try:
+        yield partial
+        with open(partial, "rb") as file:
+            os.fsync(file.fileno())
+        os.replace(partial, path)
+    except BaseException:
+        with suppress(OSError):
+            partial.unlink(missing_ok=True)
+        raise
+
+
+@contextmanager
+def hdf5(path: Path) -> Iterator[h5py.File]:
+    """A new HDF5 file, made in memory: the library cannot close one on a disk that is full."""
+    content = io.BytesIO()
+    with h5py.File(content, "w") as file:
+        yield file
+    with on_disk(path) as partial:
+        partial.write_bytes(content.getbuffer())
+
+
 def write_text(path: Path, text: str):
-    """Write a file whole: into a neighbour first, then moved into place."""
-    partial = path.with_name(path.name + ".part")
-    partial.write_text(text)
-    os.replace(partial, path)
+    """Write a file whole."""
+    with on_disk(path) as partial:
+        partial.write_text(text, encoding="utf-8")
 
 
 def write_history(path: Path, history: History, scales: Scales):
@@ -86,15 +116,13 @@ def write_surface(path: Path, history: History, scales: Scales):
     }
     if not history.friction:
         data = {name: data[name] for name in ("x", "weight", "pressure", "P")}
-    partial = path.with_name(path.name + ".part")
-    with h5py.File(partial, "w") as file:
+    with hdf5(path) as file:
         for name, values in data.items():
             dataset = file.create_dataset(name, data=values)
             dataset.attrs["unit"] = UNITS[name]
             dataset.attrs["meaning"] = MEANING[name]
         file.create_dataset("branch", data=[e.increment.branch for e in entries])
         file.create_dataset("state", data=[e.increment.state for e in entries])
-    os.replace(partial, path)
 
 
 def write_summary(path: Path, summary: dict):

@@ -1,12 +1,12 @@
 """One picture of a run: pressure, traction and the friction loop, computed points on closed-form lines."""
 
-import os
 from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
 
 from .history import Entry, History
+from .output import on_disk
 from .reference import ClosedForm, Reference
 from .simulation import Simulation
 
@@ -30,10 +30,11 @@ def plot_run(path: Path, title: str, simulation: Simulation, lines: dict[str, Re
         if history.friction:
             _traction(axes[0, 1], history, simulation.mu, lines)
             _loop(axes[0, 2], simulation, lines)
-        partial = path.with_name("part." + path.name)
-        figure.savefig(partial, dpi=160)
-        plt.close(figure)
-    os.replace(partial, path)
+        try:
+            with on_disk(path) as partial:
+                figure.savefig(partial, dpi=160)
+        finally:
+            plt.close(figure)
 
 
 def _states(history: History) -> list[Entry]:

@@ -1,6 +1,7 @@
 """The discrete contact problem: its forms, residual and Jacobian on the half-plane.
 
-Unknowns are the state ``u`` of the body and the rigid indenter's two displacements ``delta = (delta_x, delta_y)``, which the two line loads (Q, P) determine:
+Unknowns are the state ``u`` of the body and the rigid indenter's two displacements ``delta = (delta_x, delta_y)``,
+which the two line loads (Q, P) determine:
 
     K u - f(u, delta) = 0  in the body,     sum of the contact tractions in f = (Q, P).
 """
@@ -30,9 +31,9 @@ class Nitsche:
 class ContactProblem:
     """Contact of a half-plane with the indenter as residual and Jacobian, with the effects it is asked for.
 
-    height: numpy function of x, the indenter's profile f(x). ``directions`` lists the contact tractions in the forms, each
-    with its rigid displacement: (Y,) without friction; (X, Y) with; (X,) for the tangential problem uncoupled from the
-    normal one, whose pressure and displacement ``hold_pressure`` then keeps.
+    height: numpy function of x, the indenter's profile f(x). ``directions`` lists the contact tractions in the forms,
+    each with its rigid displacement: (Y,) without friction; (X, Y) with; (X,) for the tangential problem uncoupled
+    from the normal one, whose pressure and displacement ``hold_pressure`` then keeps.
     """
 
     def __init__(self, body: HalfPlane, height, nitsche: Nitsche, directions: tuple[int, ...]):
@@ -176,6 +177,10 @@ class ContactProblem:
         self.held_forces = normal.nodal_forces(Y)  # all of them for theta = 0
         self.held_state.x.array[:] = self.body.state.x.array
         self._interpolate(self._held_pressure, normal._pressure)
+
+    def held(self) -> tuple[fem.Function, fem.Function, np.ndarray | None]:
+        """What ``hold_pressure`` keeps: state, pressure and nodal forces."""
+        return self.held_state, self._held_pressure, self.held_forces
 
     def without_held(self) -> np.ndarray:
         """Take the tangential problem's part out of the state, which is then that of the normal problem."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from .newton import Newton, NewtonResult
+from .newton import Newton, NewtonResult, System
 from .problem import ContactProblem, X, Y
 
 MAX_CUTS = 6
@@ -83,7 +83,7 @@ def visiting(start: tuple[float, float], points: list[tuple[float, float]], incr
         direction = int(np.sign(Q - start[1]))
         for z in np.arange(1, increments + 1) / increments:
             load = [before + z * (after - before) for before, after in zip(start, (P, Q))]
-            programme.append(Increment(*load, branch, direction=direction))
+            programme.append(Increment(load[0], load[1], branch, direction=direction))
         programme[-1] = replace(programme[-1], state=str(number) if branch == "path" else "")
         start = P, Q
     return programme
@@ -93,7 +93,8 @@ class LoadProgramme:
     """Runs increments on a half-plane, each by the problem of its stage.
 
     normal: the frictionless problem; frictional: the one that takes over when tangential loading starts, or from
-    the first contact on (``friction_first``), or None; system: function from a problem to the newton.System that solves it.
+    the first contact on (``friction_first``), or None; system: function from a problem to the newton.System that
+    solves it.
     """
 
     def __init__(self, normal: ContactProblem, frictional: ContactProblem | None, system, mu=0.0, friction_first=False):
@@ -101,11 +102,30 @@ class LoadProgramme:
         self.body, self.mu, self._system = normal.body, mu, system
         self._friction_first = friction_first
 
-    def run(self, programme: list[Increment]) -> Iterator[Outcome]:
-        """Yield each outcome while its state is on the half-plane; SolveError ends the run."""
-        before = Increment(P=0.0)
-        self._newton = self._start(self.problem)
-        for increment in programme:
+    @property
+    def system(self) -> System:
+        """What solves the present stage."""
+        return self._newton.system
+
+    @property
+    def normal_system(self) -> System:
+        """What solved the normal stage, once friction has begun."""
+        return self._normal_newton.system
+
+    def skip(self, done: list[Increment]):
+        """Stand where a run stands that has done these increments; its memory is yet to be restored."""
+        self._newton = self._start(self.normal)
+        if self.frictional and (self._friction_first or any(increment.branch != "normal" for increment in done)):
+            self._normal_newton, self.problem = self._newton, self.frictional
+            self.frictional.mu.value = self.mu
+            self._newton = self._start(self.frictional)
+
+    def run(self, programme: list[Increment], done: int = 0) -> Iterator[Outcome]:
+        """Yield each outcome after the first ``done`` while its state is on the half-plane; SolveError ends the run."""
+        before = programme[done - 1] if done else Increment(P=0.0)
+        if not done:
+            self._newton = self._start(self.problem)
+        for increment in programme[done:]:
             results: list[NewtonResult] = []
             if self.problem is not self.frictional and (increment.branch != "normal" or self._friction_first):
                 if self._friction_first:  # the frictionless contact of the first increment is where Newton starts
@@ -165,8 +185,8 @@ class LoadProgramme:
         if depth == MAX_CUTS:
             raise SolveError(
                 f"no equilibrium between (P, Q) = ({before.P:.4g}, {before.Q:.4g}) and ({after.P:.4g}, {after.Q:.4g}) "
-                f"({after.branch}): {failed.reason}, and at last {result.reason}; force residual {failed.residual:.1e} P after "
-                f"{failed.iterations} iterations and {depth} halvings of the increment"
+                f"({after.branch}): {failed.reason}, and at last {result.reason}; force residual "
+                f"{failed.residual:.1e} P after {failed.iterations} iterations and {depth} halvings of the increment"
             )
         P = (before.P + after.P) / 2 if Y in self.problem.directions else after.P
         middle = replace(after, P=P, Q=(before.Q + after.Q) / 2, state="")

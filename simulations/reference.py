@@ -138,12 +138,14 @@ def closed_form(simulation: Simulation) -> ClosedForm | None:
 
 
 def of_same_physics(simulation: Simulation) -> Reference:
-    """The reference that ``reference.kind`` asks for, "auto": closed form where it is exact; NoReference says why none."""
+    """The reference that ``reference.kind`` asks for, "auto": closed form where exact; NoReference says why none."""
     kind, scene = simulation.scene["reference.kind"], simulation.scene
     if kind == "none":
         raise NoReference("reference.kind = none")
     if scene.has_closed_form and kind != "half-plane":
-        return closed_form(simulation)
+        exact = closed_form(simulation)
+        assert exact is not None  # has_closed_form
+        return exact
     if kind == "closed form":
         raise NoReference("there is no closed form of this problem, and reference.kind = closed form")
     return HalfPlane(simulation)
@@ -153,7 +155,8 @@ def describe(reference: Reference, simulation: Simulation) -> str:
     """The reference in words: why it has the same physics."""
     scene = simulation.scene
     if not isinstance(reference, ClosedForm):
-        return f"{reference.name} with {'the same' if scene.friction else 'no'} friction{' and coupling' if 'coupling' in simulation.effects else ''}"
+        friction = "the same friction" if scene.friction else "no friction"
+        return f"{reference.name} with {friction}{' and coupling' if 'coupling' in simulation.effects else ''}"
     if not scene.friction:
         return "closed form of the frictionless contact"
     if "coupling" not in simulation.effects:

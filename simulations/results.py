@@ -1,6 +1,9 @@
 """The folder of a run: files while it goes, then summary, picture and the table beside the closed form."""
 
 import platform
+import time
+from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 
 import dolfinx
@@ -8,12 +11,23 @@ import gmsh
 import numpy as np
 from petsc4py import PETSc
 
-from . import __version__, comparison, output, reference
+from . import __version__, checkpoint, comparison, fields, output, reference
+from .checkpoint import Checkpoint
 from .fields import FieldWriter
+from .language import SceneError
+from .history import Entry
 from .plots import plot_run
+from .scene import Scene
 from .simulation import Simulation
 
-FILES = ("scene.toml", "history.csv", "surface.h5", "fields.xdmf", "fields.h5", "summary.json", "fretting.png")
+FILES = ("scene.toml", "history.csv", "surface.h5", "fields.xdmf", "summary.json", "fretting.png")
+OTHERS = ("report.html",)  # made of the files of a run by other commands
+EVERY = 10.0  # seconds between two versions of history.csv and surface.h5 while the run goes on
+
+
+def files() -> tuple[str, ...]:
+    """What a finished run has written."""
+    return (*FILES, f"{fields.FOLDER}/")
 
 
 def versions() -> dict[str, str]:
@@ -28,55 +42,104 @@ def versions() -> dict[str, str]:
     }
 
 
-class Results:
-    """Writes what a Simulation yields into ``folder``. Every rank calls every method; rank 0 writes."""
+def begin(folder: Path, scene: Scene):
+    """Make ``folder`` that of a new run: nothing of an earlier one, and the scene.
 
-    def __init__(self, folder: Path, simulation: Simulation):
+    The scene goes first and comes last: a folder with a scene can be resumed. SceneError where it cannot be written.
+    """
+    try:
+        (folder / "scene.toml").unlink(missing_ok=True)
+        checkpoint.remove(folder)
+        for name in (*FILES, *OTHERS):
+            (folder / name).unlink(missing_ok=True)
+        if (folder / fields.FOLDER).is_dir():
+            for path in (folder / fields.FOLDER).glob("*.h5"):
+                path.unlink()
+        made_with = "".join(f"# {name} {version}\n" for name, version in versions().items())
+        output.write_text(folder / "scene.toml", made_with + scene.to_toml())
+    except OSError as error:
+        raise SceneError(f"--output {folder} cannot be written: {error.strerror}") from None
+
+
+class Results:
+    """Writes what a Simulation yields into ``folder``. Every rank calls every method; rank 0 writes.
+
+    again: the command that goes on with the run if it stops.
+    """
+
+    def __init__(self, folder: Path, simulation: Simulation, again: str = ""):
         self.folder, self.simulation = folder, simulation
+        self._again = again or f"--resume {folder}"
         self.scales = simulation.scaled.scales
         self.comm = simulation.body.mesh.comm
         self.summary: dict = {}
-        self._fields = None
-        self._reference = self._neglecting = None
+        self._fields = FieldWriter(folder, simulation.numbering, self.scales)
+        self._checkpoint = Checkpoint(folder, simulation)
+        self._reference: reference.Reference | None = None
+        self._neglecting: reference.ClosedForm | None = None
         self._no_reference = "none"
+        self._written = time.monotonic()
 
     def __enter__(self):
-        if self.comm.rank == 0:
-            for name in FILES:  # of an earlier run
-                (self.folder / name).unlink(missing_ok=True)
-            made_with = "".join(f"# {name} {version}\n" for name, version in versions().items())
-            output.write_text(self.folder / "scene.toml", made_with + self.simulation.scene.to_toml())
-        self._fields = FieldWriter(self.folder / "fields.xdmf", self.simulation.body, self.scales)
         return self
 
-    def record(self, entry):
-        """Keep the fields of a state that matters: the normal stage and the states A ... E."""
-        number = len(self.simulation.history.entries)
-        pressed = entry.increment.branch == "normal" and not self._is_pressing(number)
-        if pressed or entry.increment.state:
-            with self.simulation.watch("output"):
-                self._fields.write(float(number - 1))
+    def record(self, entry: Entry):
+        """Keep a state: its fields if it matters, the memory to go on from it, and now and then the tables."""
+        last = len(self.simulation.history.entries) - 1
+        with self.simulation.watch("output"):
+            if self._matters(last):
+                kept = [number for number in range(last + 1) if self._matters(number)]
+                self._everywhere(lambda: self._fields.write(last, kept))
+            self._everywhere(lambda: self._checkpoint.save(entry))
+            if self.comm.rank == 0 and time.monotonic() - self._written > EVERY:
+                with suppress(OSError):  # the next ones, or the last, will do
+                    self._write_tables()
 
-    def _is_pressing(self, number):
-        """True while increment ``number`` still belongs to the normal stage."""
+    def _matters(self, number):
+        """True for the end of the normal stage and the states A ... E or 1, 2, ..., whose fields are kept."""
         programme = self.simulation.programme
-        return number < len(programme) and programme[number].branch == "normal"
+        normal = programme[number].branch == "normal"
+        pressing = number + 1 < len(programme) and programme[number + 1].branch == "normal"
+        return bool(programme[number].state) or (normal and not pressing)
+
+    def _everywhere(self, write: Callable[[], None]):
+        """``write``, in which rank 0 may fail: OutputError on every rank."""
+        failure = None
+        try:
+            write()
+        except OSError as error:
+            failure = f"{self.folder} cannot be written: {error.strerror or error}; go on with {self._again}"
+        failure = self.comm.bcast(failure)
+        if failure:
+            raise output.OutputError(failure)
+
+    def _write_tables(self):
+        history = self.simulation.history
+        output.write_history(self.folder / "history.csv", history, self.scales)
+        output.write_surface(self.folder / "surface.h5", history, self.scales)
+        self._written = time.monotonic()
 
     def __exit__(self, kind, error, trace):
-        """Write what there is, after a failure too."""
-        history = self.simulation.history
-        with self.simulation.watch("output"):
-            self._fields.close()
-            if self.comm.rank == 0 and history.entries:
-                output.write_history(self.folder / "history.csv", history, self.scales)
-                output.write_surface(self.folder / "surface.h5", history, self.scales)
+        """Write what there is, after a failure too; then ranks may not be in step, and rank 0 does what it can."""
+        if kind is None:
+            self._everywhere(self._finish)
+        elif self.comm.rank == 0:
+            with suppress(OSError):
+                if self.simulation.history.entries:
+                    self._write_tables()
+                self.summary = self._summarise(failure=(str(error) or kind.__name__).splitlines()[0])
+                output.write_summary(self.folder / "summary.json", self.summary)
+
+    def _finish(self):
+        """The tables, the comparison and the picture, after which there is nothing left to go on with."""
         if self.comm.rank == 0:
-            if kind is None:
-                self._find_references()
-            self.summary = self._summarise(failure=None if kind is None else str(error) or kind.__name__)
+            with self.simulation.watch("output"):
+                self._write_tables()
+            self._find_references()
+            self._plot()
+            self.summary = self._summarise(failure=None)
             output.write_summary(self.folder / "summary.json", self.summary)
-            if kind is None:
-                self._plot()
+            checkpoint.remove(self.folder)
 
     def _plot(self):
         simulation, scene = self.simulation, self.simulation.scene
@@ -100,6 +163,7 @@ class Results:
             "failure": failure,
             "effects": {name: verdict.on for name, verdict in simulation.effects.verdicts.items()},
             "increments": len(history.entries),
+            "resumed": simulation.resumed,
             "newton_iterations": sum(e.iterations for e in history.entries),
             "cuts": sum(e.cuts for e in history.entries),
             "largest_residual": max((e.residual for e in history.entries), default=None),

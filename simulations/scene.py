@@ -6,13 +6,16 @@ import tomllib
 from dataclasses import dataclass
 from functools import cached_property
 from math import isfinite
+from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from analytic import CylinderContact, GradedHalfPlane, ProfileContact
 
 from . import effects
 from .indenter import Indenter, from_scene
-from .language import Key, SceneError
+from .language import Key, SceneError, one_line, shown
 from .solid import equivalent_half_width, normal_contact
 
 DEFAULT_SCENE = """\
@@ -74,7 +77,8 @@ OWN_KEYS: dict[str, Key] = {
     "reference.kind": Key(kind=str, default="auto", choices=("auto", "closed form", "half-plane", "none")),
 }
 Y0, THICKNESS = ("solid.y0", "solid.y0_over_a0"), ("solid.thickness", "solid.thickness_over_a0")  # one of each two
-NEEDED = {  # by choice: keys that are needed, and allowed, with it alone; a tuple inside stands for one of its keys
+# by choice: keys that are needed, and allowed, with it alone; a tuple inside stands for one of its keys
+NEEDED: dict[str, dict[str, tuple[str | tuple[str, ...], ...]]] = {
     "solid.modulus": {
         "power law": ("solid.k", Y0),
         "homogeneous": (),
@@ -187,8 +191,13 @@ class Scene:
         lines = []
         for table, entries in tables.items():
             lines += [f"[{table}]"] if table else []
-            lines += [f"{name} = {json.dumps(value)}" for name, value in entries.items()]
+            lines += [f"{name} = {_written(value)}" for name, value in entries.items()]
         return "\n".join(lines) + "\n"
+
+
+def _written(value) -> str:
+    """A value as TOML: JSON but for two characters."""
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
 def flatten(document: dict) -> dict[str, Any]:
@@ -198,18 +207,18 @@ def flatten(document: dict) -> dict[str, Any]:
         entries = {f"{name}.{inner}": v for inner, v in value.items()} if isinstance(value, dict) else {name: value}
         for key, inner in entries.items():
             if key in flat:
-                raise SceneError(f"{key} = {inner!r} is given twice")
+                raise SceneError(f"{one_line(key)} = {shown(inner)} is given twice")
             flat[key] = inner
     return flat
 
 
 def parse(text: str, overrides: tuple[str, ...] = ()) -> Scene:
     """Scene from TOML text and ``key=value`` overrides; SceneError says in one line what is wrong."""
-    given = _toml(text)
+    given = read_keys(text)
     for override in overrides:
         key, equals, value = override.partition("=")
         if not equals:
-            raise SceneError(f"--set {override!r} is not allowed: KEY=VALUE, for instance load.amplitude=0.6")
+            raise SceneError(f"--set {shown(override)} is not allowed: KEY=VALUE, for instance load.amplitude=0.6")
         for pair in (Y0, THICKNESS):
             for other in pair if key.strip() in pair else ():
                 given.pop(other, None)
@@ -222,10 +231,9 @@ def resolve(given: dict[str, Any]) -> Scene:
     keys = language()
     for name in given:
         if name not in keys:
-            close = difflib.get_close_matches(name, keys, n=1)
-            hint = f"did you mean {close[0]}?" if close else "keys are " + ", ".join(keys)
-            raise SceneError(f"{name} = {given[name]!r} is not a key of the scene language: {hint}")
-    given = dict(given)
+            hint = _hint(name, keys)
+            raise SceneError(f"{shown(Path(name))} = {shown(given[name])} is not a key of the scene language: {hint}")
+    given = {name: keys[name].read(name, value) for name, value in given.items()}
     _derive(given)
     out = _check_combination(given)
     values: dict[str, Any] = {}
@@ -238,6 +246,19 @@ def resolve(given: dict[str, Any]) -> Scene:
     _check_size(scene)
     effects.Effects(scene)
     return scene
+
+
+def _hint(name: str, keys) -> str:
+    """The key that was meant, or those that there are."""
+    bare = {key.rpartition(".")[2].lower(): key for key in keys}
+    same = bare.get(name.rpartition(".")[2].lower())
+    close = [same] if same else difflib.get_close_matches(name, keys, n=1)
+    if close:
+        return f"did you mean {close[0]}?"
+    table = name.partition(".")[0] + "."
+    inside = [key for key in keys if key.startswith(table)]
+    tables = dict.fromkeys(key.partition(".")[0] for key in keys if "." in key)
+    return f"there are {', '.join(inside)}" if inside else f"there are title and the tables {', '.join(tables)}"
 
 
 def _derive(given: dict[str, Any]):
@@ -262,7 +283,7 @@ def _check_combination(given: dict[str, Any]) -> set[str]:
     def leave_out(names, beside):
         for name in names:
             if name in given:
-                raise SceneError(f"{name} = {given[name]!r} is not allowed beside {beside}")
+                raise SceneError(f"{name} = {shown(given[name])} is not allowed beside {beside}")
         out.update(names)
 
     def need(names):
@@ -315,7 +336,7 @@ def _check_size(scene: Scene):
     defect = scene.indenter.defect(1.5 * a)
     if defect:
         profile = scene["indenter.profile"]
-        key, value = ("formula", scene["indenter.formula"]) if profile == "formula" else ("profile", profile)
+        key, value = ("formula", one_line(scene["indenter.formula"])) if profile == "formula" else ("profile", profile)
         raise SceneError(f'indenter.{key} = "{value}" is not allowed: {defect}')
     if "load.points" in scene.values:
         _check_points(scene["load.points"], scene.values.get("load.mu"))
@@ -323,10 +344,13 @@ def _check_size(scene: Scene):
 
 def _fitting(scene: Scene, size: str) -> float:
     try:
-        value = getattr(scene, size)
+        with np.errstate(all="ignore"):
+            value = float(getattr(scene, size))
         pressure = scene.P / value
-    except (ArithmeticError, ValueError) as error:
-        raise SceneError(f"the scene's numbers do not fit together: {error}") from None
+    except SceneError:
+        raise
+    except (ArithmeticError, ValueError, TypeError, NotImplementedError, RecursionError) as error:
+        raise SceneError(f"the scene's numbers do not fit together: {one_line(str(error))}") from None
     if not all(isfinite(v) and v > 0 for v in (value, pressure)):
         raise SceneError(f"the scene's numbers do not fit together: {size} = {value:g} m, P/a = {pressure:g} Pa")
     return value
@@ -336,23 +360,26 @@ def _check_points(points, mu):
     if mu is None and any(Q for _, Q in points):
         raise SceneError(f"load.mu is missing: load.points has Q; {OWN_KEYS['load.mu'].allowed}")
     if points[0][1] != 0:
-        raise SceneError(f"load.points = {points!r} is not allowed: the first point has Q = 0")
+        raise SceneError(f"load.points = {shown(points)} is not allowed: the first point has Q = 0")
     for P, Q in points:
         if Q and abs(Q) >= mu * P:
-            raise SceneError(f"load.points = {points!r} is not allowed: |Q| < mu P, here P = {P:g}, Q = {Q:g}")
+            raise SceneError(f"load.points = {shown(points)} is not allowed: |Q| < mu P, here P = {P:g}, Q = {Q:g}")
 
 
-def _toml(text: str) -> dict[str, Any]:
+def read_keys(text: str) -> dict[str, Any]:
+    """The flat keys of a TOML text as they are written, unchecked."""
     try:
         return flatten(tomllib.loads(text))
-    except tomllib.TOMLDecodeError as error:
-        raise SceneError(f"the scene is not TOML: {error}") from None
+    except SceneError:
+        raise
+    except (ValueError, RecursionError) as error:  # too long a number, too deep a list
+        raise SceneError(f"the scene is not TOML: {one_line(str(error))}") from None
 
 
 def _value(text: str):
     """A value as TOML reads it; a bare word is a text."""
     try:
         document = tomllib.loads(f"value = {text}")
-    except tomllib.TOMLDecodeError:
+    except (ValueError, RecursionError):
         return text
     return document["value"] if len(document) == 1 else text

@@ -11,6 +11,7 @@ from .edges import expected_edges
 from .effects import Effects
 from .full import FullSystem
 from .history import Entry, History
+from .memory import Numbering
 from .mesh import Grading, columns, half_plane, layers
 from .observables import SurfaceSampler
 from .problem import ContactProblem, Nitsche
@@ -45,7 +46,8 @@ class Simulation:
             if "symmetry" in self.effects:
                 middle = len(x) // 2
                 x = x[middle:] - x[middle]
-            mesh, facets = half_plane(comm, x, layers(self.cells, law.depth_map(), law.thickness))
+            s = layers(self.cells, law.depth_map(), law.thickness)
+            mesh, facets = half_plane(comm, x, s)
         with self.watch("forms"):  # compiles them the first time
             self.body = HalfPlane(
                 mesh,
@@ -69,6 +71,8 @@ class Simulation:
         )
         self.body.delta.value[Y] = indenter.height(1.0)  # overlap on |x| < a: where Newton starts
         self.sampler = SurfaceSampler(self.body, normal, scene.friction and "coupling" not in self.effects)
+        self.numbering = Numbering(self.body, x, s)
+        self.resumed = 0  # times
         self.history = History(k=scene.k, mu=self.mu)
 
     def _programme(self):
@@ -84,8 +88,8 @@ class Simulation:
         return pressing(1.0, steps) + rocking(1.0, Q_A, scene["load.cycles"], scene["solver.increments"])
 
     def run(self) -> Iterator[Entry]:
-        """Solve increment after increment; SolveError where one fails."""
-        outcomes = self.solver.run(self.programme)
+        """Solve increment after increment, from where the history ends; SolveError where one fails."""
+        outcomes = self.solver.run(self.programme, len(self.history.entries))
         while True:
             with self.watch("solve"):
                 outcome = next(outcomes, None)

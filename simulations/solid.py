@@ -29,14 +29,16 @@ def normal_contact(solid: GradedHalfPlane, indenter: Indenter, P: float) -> Cyli
 
 def _wide_enough(solid, profile, P):
     """A half-width that carries at least ``P``; ValueError where the profile ends before."""
-    width, growth = 1e-9 * (profile.flat or 1.0), 4.0
+    width, growth, before = 1e-9 * (profile.flat or 1.0), 4.0, 0.0
     while growth > 1 + 1e-6:
         with np.errstate(all="ignore"):
             load = ProfileContact(solid, profile, profile.flat + growth * width).P
         if load >= P:
             return profile.flat + growth * width
+        if load < before:
+            raise ValueError(f"the indenter's profile is not convex up to x = {profile.flat + growth * width:.3g}")
         if load < P:
-            width *= growth
+            width, before = width * growth, load
         else:  # not a number: beyond the end of the profile
             growth **= 0.5
     raise ValueError(f"the indenter's profile ends at x = {profile.flat + width:.3g}, before it carries P")
@@ -74,7 +76,8 @@ def modulus(scene: Scene, length: float, stress: float) -> Modulus:
         return PowerLaw.of(0.0, E0)
     if kind in ("power law", "power-law coating"):
         return PowerLaw.of(scene.k, E0 * (length / scene["solid.y0"]) ** scene.k, thickness)
-    return Coating(E0, scene["solid.E_substrate"] / stress, thickness, kind == "exponential")
+    substrate = scene["solid.E_substrate"] / stress
+    return Coating(E0, substrate, thickness, kind == "exponential")  # type: ignore[return-value]
 
 
 def kernel(scene: Scene, law: Modulus, solid: GradedHalfPlane) -> GradedHalfPlane | LayeredKernel:

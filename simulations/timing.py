@@ -21,6 +21,13 @@ class Stopwatch:
             self.last = time.perf_counter() - start
             self.seconds[phase] = self.seconds.get(phase, 0.0) + self.last
 
+    def go_on(self, seconds: dict[str, float]):
+        """Add what an earlier part of the run took, by phase and in ``total``."""
+        self._start -= seconds.get("total", 0.0)
+        for phase, value in seconds.items():
+            if phase != "total":
+                self.seconds[phase] = self.seconds.get(phase, 0.0) + value
+
     @property
     def total(self) -> float:
         """Seconds since the watch was made."""

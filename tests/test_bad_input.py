@@ -1,43 +1,68 @@
-"""Wrong input: one line that names key, value and what is allowed; exit code 2; nothing written."""
+"""Wrong input: one line that names key, value and what is allowed; exit code 2; nothing written; at once."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
 
 import pytest
-from conftest import run_command
+from conftest import MPI_ENVIRONMENT, ROOT, coarse_arguments, run_command
+from refusals import REFUSED, SCENES, refusal, write_scenes
 
 from simulations.language import SceneError
 from simulations.scene import DEFAULT_SCENE, parse
 
-WRONG = {
-    "misspelt key": (("--set", "load.amplitud=0.5"), ("load.amplitud", "did you mean load.amplitude?")),
-    "k": (("--set", "solid.k=1.2"), ("solid.k = 1.2", "]-1, 1[")),
-    "nu": (("--set", "solid.nu=0.6"), ("solid.nu = 0.6", "]-1, 0.5]")),
-    "negative P": (("--set", "load.P=-1e6"), ("load.P = -1000000.0", "]0, inf[")),
-    "amplitude": (("--set", "load.amplitude=1.0"), ("load.amplitude = 1.0", "[1e-06, 1[")),
-    "not a number": (("--set", "load.mu=high"), ("load.mu = 'high'", "a number")),
-    "nan": (("--set", "indenter.R=nan"), ("indenter.R = nan", "a number")),
-    "no Holl ratio": (("--set", "solid.k=-0.3"), ('"holl"', "k = -0.3")),
-    "--set without value": (("--set", "load.mu"), ("KEY=VALUE",)),
-    "unknown option": (("--ouput", "x"), ("--ouput",)),
-    "theta": (("--set", "solver.theta=1", "--set", "solver.method=condensed"), ("solver.theta", "full")),
-    "huge integer": (("--set", "load.P=1" + "0" * 400), ("load.P", "a number")),
-    "friction off, but mu": (("--set", "effects.friction=false"), ("load.mu", "beside effects.friction = false")),
-    "overflow": (("--set", "load.P=1e300", "--set", "solid.E0=1e-300"), ("do not fit together",)),
-    "table for a number": (("--set", "solid.k={a=1}"), ("solid.k", "a number")),
-    "missing scene": (("absent.toml",), ("absent.toml", "No such file")),
-}
+SECONDS = 5
 
 
-@pytest.mark.parametrize("arguments, words", WRONG.values(), ids=WRONG.keys())
-def test_one_line_and_nothing_written(tmp_path, arguments, words):
-    check(tmp_path, arguments, words, ranks=1)
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    write_scenes(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
 
 
-@pytest.mark.parametrize("ranks", [2, 3])
-@pytest.mark.parametrize("name", ["misspelt key", "k", "missing scene"])
-def test_on_several_ranks(tmp_path, name, ranks):
-    check(tmp_path, *WRONG[name], ranks=ranks)
+def check(line, words):
+    assert line is not None, "not refused"
+    assert line.isprintable() and len(line) < 1000, line
+    for word in words:
+        assert word in line
 
 
-def check(folder, arguments, words, ranks):
+def test_there_are_many():
+    assert len(REFUSED) >= 100
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_one_line_and_nothing_written(case, folder, capfd):
+    arguments, words = REFUSED[case]
+    line, seconds = refusal(arguments)
+    check(line, words)
+    assert seconds < SECONDS
+    assert capfd.readouterr() == ("", "")
+    assert sorted(path.name for path in folder.iterdir()) == sorted(SCENES)
+
+
+def test_all_of_them_on_three_ranks(folder):
+    """Every rank raises the same line, in step with the others."""
+    command = [shutil.which("mpirun"), "-n", "3", sys.executable, str(ROOT / "tests" / "refusals.py")]
+    environment = os.environ | MPI_ENVIRONMENT | {"PYTHONPATH": str(ROOT)}
+    done = subprocess.run(command, env=environment, timeout=300, text=True, capture_output=True, cwd=folder)
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout)
+    assert set(found) == set(REFUSED)
+    for case, by_rank in found.items():
+        for line, seconds in by_rank:
+            check(line, REFUSED[case][1])
+            assert seconds < SECONDS
+    assert sorted(path.name for path in folder.iterdir()) == sorted(SCENES)
+
+
+@pytest.mark.parametrize("ranks", [1, 3])
+@pytest.mark.parametrize("case", ["misspelt key", "absent scene", "output below a file"])
+def test_commands_end_with_code_2(case, ranks, folder):
+    arguments, words = REFUSED[case]
     done = run_command(*arguments, ranks=ranks, cwd=folder, timeout=60)
     assert done.returncode == 2
     assert done.stdout == ""
@@ -45,33 +70,13 @@ def check(folder, arguments, words, ranks):
     if ranks > 1:  # mpirun has a box of its own above, and lines in brackets on how its ranks ended
         own = [line for line in own if line and not line.startswith("[")]
     assert len(own) == 1, done.stderr
-    for word in words:
-        assert word in own[0]
-    assert list(folder.iterdir()) == []
+    check(own[0], words)
 
 
-@pytest.mark.parametrize("content", [b"this is no scene", b"\x89PNG\r\n\x1a\n\xff\xfe", b""])
-def test_scene_that_is_no_toml(tmp_path, content):
-    scene, results = tmp_path / "scene.toml", tmp_path / "results"
-    scene.write_bytes(content)
-    done = run_command(scene, "--output", results)
-    assert done.returncode == 2
-    assert len(done.stderr.strip().splitlines()) == 1
-    assert not results.exists()
+NEEDED = ("solid.E0", "solid.k", "solid.nu", "indenter.R", "load.P", "load.mu", "load.amplitude")
 
 
-@pytest.mark.parametrize("ranks", [1, 3])
-def test_output_folder_that_cannot_be_written(tmp_path, ranks):
-    (tmp_path / "file").touch()  # root may write anywhere, but not below a file
-    done = run_command("--output", tmp_path / "file" / "results", ranks=ranks)
-    assert done.returncode == 2
-    assert "cannot be written" in done.stderr
-    assert [path.name for path in tmp_path.iterdir()] == ["file"]
-
-
-@pytest.mark.parametrize(
-    "key", ["solid.E0", "solid.k", "solid.nu", "indenter.R", "load.P", "load.mu", "load.amplitude"]
-)
+@pytest.mark.parametrize("key", NEEDED)
 def test_missing_key_is_named(key):
     name = key.partition(".")[2]
     text = "\n".join(line for line in DEFAULT_SCENE.splitlines() if not line.startswith(f"{name} "))
@@ -79,6 +84,36 @@ def test_missing_key_is_named(key):
         parse(text)
 
 
-def test_y0_is_given_once():
-    with pytest.raises(SceneError, match="exactly one of"):
-        parse(DEFAULT_SCENE.replace("y0_over_a0 = 10.0", "y0_over_a0 = 10.0\ny0 = 1.0"))
+def test_no_room_for_results(tmp_path):
+    """A limit on the size of files stands for a disk that has no room: it needs no rights."""
+    program = (
+        "import resource; from simulations.command import run; from simulations.fretting import main; "
+        "resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000)); run(main)"
+    )
+    command = [sys.executable, "-c", program, "--output", str(tmp_path / "a" / "b")]
+    environment = os.environ | MPI_ENVIRONMENT | {"PYTHONPATH": str(ROOT), "PYTHONDONTWRITEBYTECODE": "1"}
+    done = subprocess.run(command, env=environment, timeout=60, text=True, capture_output=True, cwd=ROOT)
+    assert done.returncode == 2, done.stderr
+    assert len(done.stderr.splitlines()) == 1 and "cannot be written: File too large" in done.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_other_commands_refuse_in_one_line_too(folder):
+    done = run_command("--ouput", "x", cwd=folder, module="simulations.indentation")
+    assert done.returncode == 2 and len(done.stderr.splitlines()) == 1
+
+
+@pytest.mark.parametrize("stream", ["/dev/full", "closed pipe"])
+def test_nobody_listens(stream, tmp_path):
+    """Where standard output cannot take any more the run goes on and its files are whole."""
+    command = [sys.executable, "-m", "simulations.fretting", *coarse_arguments(tmp_path / "run")]
+    environment = os.environ | MPI_ENVIRONMENT | {"PYTHONPATH": str(ROOT)}
+    if stream == "closed pipe":
+        read, write = os.pipe()
+        os.close(read)
+    else:
+        write = os.open(stream, os.O_WRONLY)
+    done = subprocess.run(command, env=environment, timeout=120, stdout=write, stderr=subprocess.PIPE, cwd=ROOT)
+    os.close(write)
+    assert done.returncode == 0, done.stderr
+    assert json.loads((tmp_path / "run" / "summary.json").read_text())["converged"]

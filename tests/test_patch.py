@@ -17,7 +17,7 @@ WIDTH, DEPTH, NU = 2.0, 1.5, 0.3
 
 
 def confined_block(k, mixed=False):
-    """A block on a rigid base, sides guided, whose exact u under uniform p = P/WIDTH, q = Q/WIDTH is linear in y^(1-k)."""
+    """A block on a rigid base, sides guided; its u under uniform p = P/WIDTH, q = Q/WIDTH is linear in y^(1-k)."""
     modulus = PowerLaw.of(k)
     depth = modulus.depth_map()
     constrained = (1 - NU) / ((1 + NU) * (1 - 2 * NU))

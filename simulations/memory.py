@@ -1,0 +1,164 @@
+"""What a run remembers from one increment to the next, numbered so that it fits any number of ranks.
+
+The mesh is a tensor product: every node has a column and a layer, which no partition changes. Whole arrays are in
+that order: ``save`` gathers them on rank 0, and in ``restore`` every rank takes its part.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .body import HalfPlane, Y
+
+if TYPE_CHECKING:
+    from .programme import LoadProgramme
+
+NODES = 3  # of a degree-2 cell along each of its sides
+
+
+class Numbering:
+    """Places of the nodes on the tensor-product mesh of columns ``x`` (c,) and layers ``s`` (l,).
+
+    Degree 2: node (row, column) of the (2l - 1, 2c - 1) vertices and midpoints.
+    """
+
+    def __init__(self, body: HalfPlane, x: np.ndarray, s: np.ndarray):
+        self.body, self.comm = body, body.mesh.comm
+        self._x, self._s = _with_midpoints(x), _with_midpoints(s)
+        self.shape = len(self._s), len(self._x)
+        self._places: list[tuple[np.ndarray, np.ndarray, int]] = []  # index in ``state``, place, rows owned
+        size = body.space.dofmap.index_map.size_local * body.space.dofmap.index_map_bs
+        node = self._number(body.displacements.tabulate_dof_coordinates())
+        dofs = body.dofs.ravel()
+        self._add(dofs, (2 * node[:, None] + np.arange(2)).ravel(), size)
+        self.size = 2 * len(self._s) * len(self._x)
+        if body.mixed:
+            space, inside = body.space.sub(1).collapse()
+            self._add(np.asarray(inside), self.size + self._number(space.tabulate_dof_coordinates()), size)
+            self.size += len(self._s) * len(self._x)  # of which only the vertices are used
+        self._make_points()
+
+    def gather(self, local: np.ndarray) -> np.ndarray | None:
+        """The whole ``state``-like array (size,), on rank 0, from the ranks' local ones."""
+        index, place = (np.concatenate(parts) for parts in zip(*((i[m], p[m]) for i, p, m in self._places)))
+        return self._collect(place, local[index], self.size)
+
+    def scatter(self, whole: np.ndarray, local: np.ndarray):
+        """Fill the local ``state``-like array, ghosts included, from the whole one."""
+        for index, place, _ in self._places:
+            local[index] = whole[place]
+
+    def gather_points(self, local: np.ndarray) -> np.ndarray | None:
+        """Values at the points of the cells along the surface, (columns, 3, 3) on rank 0; nan off the strip."""
+        count = (len(self._x) // 2) * NODES**2
+        owned = self._point_owned
+        whole = self._collect(self._point_place[owned], local[self._point_index[owned]], count)
+        return None if whole is None else whole.reshape(-1, NODES, NODES)
+
+    def scatter_points(self, whole: np.ndarray, local: np.ndarray):
+        """The inverse of ``gather_points``, on every rank."""
+        local[self._point_index] = whole.ravel()[self._point_place]
+
+    @property
+    def vertices(self) -> int:
+        """Number of vertices."""
+        return len(self._s[::2]) * len(self._x[::2])
+
+    @property
+    def cells(self) -> int:
+        """Number of cells."""
+        return (len(self._s) // 2) * (len(self._x) // 2)
+
+    def mesh(self) -> tuple[np.ndarray, np.ndarray]:
+        """Vertices (n, 2) at their physical depth and cells (m, 4), layer by layer."""
+        x, y = self._x[::2], self.body.depth.y(self._s[::2])
+        points = np.stack([np.tile(x, len(y)), np.repeat(y, len(x))], axis=1)
+        first = (np.arange(len(y) - 1)[:, None] * len(x) + np.arange(len(x) - 1)).ravel()
+        return points, np.stack([first, first + 1, first + 1 + len(x), first + len(x)], axis=1)
+
+    def at_vertices(self, whole: np.ndarray) -> np.ndarray:
+        """Displacement (n, 2) at the vertices of ``mesh``, from a whole ``state``."""
+        return whole[: 2 * self._s.size * self._x.size].reshape(*self.shape, 2)[::2, ::2].reshape(-1, 2)
+
+    def gather_cells(self, local: np.ndarray) -> np.ndarray | None:
+        """Rows (m, ...) of a value a cell, in the order of ``mesh``, on rank 0."""
+        topology = self.body.mesh.topology
+        count, geometry = topology.index_map(topology.dim).size_local, self.body.mesh.geometry
+        x, s, _ = geometry.x[geometry.dofmap[:count]].mean(axis=1).T
+        column, row = np.searchsorted(self._x[::2], x) - 1, np.searchsorted(self._s[::2], s) - 1
+        return self._collect(row * (len(self._x) // 2) + column, local[:count], self.cells)
+
+    def _add(self, index, place, owned):
+        self._places.append((index, place, index < owned))
+
+    def _number(self, points):
+        return _nearest(self._s, points[:, 1]) * len(self._x) + _nearest(self._x, points[:, 0])
+
+    def _make_points(self):
+        body, space = self.body, self.body.point_space
+        cells, geometry = body.strip_cells, body.mesh.geometry
+        middle = geometry.x[geometry.dofmap[cells], 0].mean(axis=1)
+        column = np.searchsorted(self._x[::2], middle) - 1
+        index = space.dofmap.list[cells]
+        points = space.tabulate_dof_coordinates()[index]  # (cells, 9, 3)
+        across = _nearest(self._x, points[..., 0]) - 2 * column[:, None]
+        self._point_place = ((column[:, None] * NODES + across) * NODES + _nearest(self._s, points[..., 1])).ravel()
+        self._point_index = index.ravel()
+        self._point_owned = self._point_index < space.dofmap.index_map.size_local
+
+    def _collect(self, place, values, size):
+        parts = self.comm.gather((place, values))
+        if parts is None:
+            return None
+        whole = np.full((size, *values.shape[1:]), np.nan)
+        for where, what in parts:
+            whole[where] = what
+        return whole
+
+
+def save(solver: LoadProgramme, numbering: Numbering) -> dict[str, np.ndarray] | None:
+    """Everything that the next increment depends on, by name, on rank 0; None on the others."""
+    body, problem = solver.body, solver.problem
+    memory = {"delta": body.delta.value.copy(), "forces": solver.system.last_forces()}
+    memory["state"] = numbering.gather(body.state.x.array)
+    if problem.friction:
+        memory["anchor"] = numbering.gather_points(problem.anchor.x.array)
+    if problem is not solver.normal and Y not in problem.directions:
+        state, pressure, forces = problem.held()
+        at_nodes = np.zeros_like(state.x.array)
+        at_nodes[body.dofs[: body.owned_nodes, Y]] = forces
+        memory["held state"] = numbering.gather(state.x.array)
+        memory["held pressure"] = numbering.gather_points(pressure.x.array)
+        memory["held forces"] = numbering.gather(at_nodes)
+        memory["normal forces"] = solver.normal_system.last_forces()
+    return memory if body.mesh.comm.rank == 0 else None
+
+
+def restore(memory: dict[str, np.ndarray], solver: LoadProgramme, numbering: Numbering):
+    """Put back ``save``'s memory, which every rank has, for the stage that ``solver`` stands at."""
+    body, problem = solver.body, solver.problem
+    body.delta.value[:] = memory["delta"]
+    if problem.friction:
+        numbering.scatter_points(memory["anchor"], problem.anchor.x.array)
+    if problem is not solver.normal and Y not in problem.directions:
+        state, pressure, _ = problem.held()
+        at_nodes = np.zeros_like(state.x.array)
+        numbering.scatter(memory["held forces"], at_nodes)
+        problem.held_forces = at_nodes[body.dofs[: body.owned_nodes, Y]]
+        numbering.scatter_points(memory["held pressure"], pressure.x.array)
+        numbering.scatter(memory["held state"], state.x.array)
+        body.state.x.array[:] = state.x.array
+        solver.normal_system.take_up(memory["normal forces"])
+    numbering.scatter(memory["state"], body.state.x.array)
+    solver.system.take_up(memory["forces"])
+
+
+def _with_midpoints(nodes):
+    return np.sort(np.concatenate([nodes, (nodes[1:] + nodes[:-1]) / 2]))
+
+
+def _nearest(grid, values):
+    after = np.clip(np.searchsorted(grid, values), 1, len(grid) - 1)
+    return after - (values - grid[after - 1] < grid[after] - values)

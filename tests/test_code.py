@@ -1,0 +1,51 @@
+"""The code itself: style, types, one version, and files that belong to a package."""
+
+import re
+import shutil
+import subprocess
+import sys
+import tomllib
+
+import pytest
+from conftest import ROOT
+
+import simulations
+
+FOLDERS = ("analytic", "forms", "simulations", "tests", "examples")
+
+
+def run(*command):
+    return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=600)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("tool, arguments", [("flake8", FOLDERS), ("mypy", ())])
+def test_style_and_types(tool, arguments, tmp_path):
+    if shutil.which(tool) is None:
+        pytest.skip(f"{tool} is not installed (docker/versions.txt names it)")
+    cache = ("--cache-dir", str(tmp_path)) if tool == "mypy" else ()
+    done = run(tool, *cache, *arguments)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_the_version_is_in_one_place():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    assert "version" not in project and project["dynamic"] == ["version"]
+    version = simulations.__version__
+    assert re.fullmatch(r"\d+\.\d+\.\d+", version)
+    assert f"\nversion: {version}\n" in (ROOT / "CITATION.cff").read_text()
+    assert f"## {version}" in (ROOT / "CHANGELOG.md").read_text()
+
+
+def test_importing_the_package_loads_no_solver():
+    """The commands set PETSc up first; a look at the scene language needs none of it."""
+    code = "import sys, simulations; assert not {'dolfinx', 'petsc4py', 'numpy'} & set(sys.modules)"
+    assert run(sys.executable, "-c", code).returncode == 0
+
+
+def test_folders_know_only_what_they_may():
+    """forms/ is UFL alone and analytic/ numpy and scipy; neither knows the other or the drivers."""
+    forbidden = {"forms": "analytic|simulations|dolfinx|petsc4py", "analytic": "forms|simulations|dolfinx|petsc4py|ufl"}
+    for folder, names in forbidden.items():
+        for path in (ROOT / folder).glob("*.py"):
+            assert not re.search(rf"^\s*(from|import) ({names})\b", path.read_text(), re.M), path
