@@ -14,8 +14,9 @@ PRESSING = 4  # increments of the normal stage if friction acts in it
 class EdgeEstimate:
     """Left and right ends [length] of contact and stick.
 
-    contact, stick: at +Q_A at the end of the cycle; contact_reverse, stick_reverse: at -Q_A before. contact_range, stick_range: shape (2, 2), for the left and the right edge the least and the greatest
-    place between ±Q_A; stick's at the ends of the branches only: in between it starts anew at the edge of contact.
+    contact, stick: at +Q_A at the end of the cycle; contact_reverse, stick_reverse: at -Q_A before. contact_range,
+    stick_range: shape (2, 2), for the left and the right edge the least and the greatest place between ±Q_A; stick's
+    at the ends of the branches only: in between it starts anew at the edge of contact.
     """
 
     contact: tuple[float, float]
