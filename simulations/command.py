@@ -76,7 +76,8 @@ def read_request(arguments: list[str], program: str, description: str | None, de
     given = parser.parse_args(own)
     if given.resume is not None:
         if given.scene or given.set or given.output is not None or given.explain or given.reference:
-            raise SceneError("--resume takes no scene, --output, --set, --reference or --explain: its folder has the scene")
+            others = "scene, --output, --set, --reference or --explain"
+            raise SceneError(f"--resume takes no {others}: its folder has the scene")
         saved = checkpoint.load(given.resume)
         folder = given.resume if saved.complete else writable(given.resume, "--resume")
         return Request(saved.scene, folder, petsc, False, given.quiet, saved)
