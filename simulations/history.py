@@ -22,6 +22,8 @@ class Entry:
     cuts: int
     residual: float
     seconds: float
+    tolerance: float = 0.0  # of the residual
+    changes: tuple[int, ...] = ()  # points whose contact state changed, in each iteration of the solve that counts
 
     @property
     def a(self) -> float:
@@ -75,6 +77,8 @@ class History:
             cuts=outcome.cuts,
             residual=outcome.results[-1].residual,
             seconds=seconds,
+            tolerance=max(result.tolerance for result in outcome.results),
+            changes=outcome.results[-1].changes,
         )
         self.entries.append(entry)
         return entry

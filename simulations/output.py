@@ -65,6 +65,7 @@ def _row(number: int, entry: Entry, scales: Scales, friction: bool) -> dict:
         {"increment": number, "branch": increment.branch, "cycle": increment.cycle, "state": increment.state}
         | {name: f"{value:.12g}" for name, value in quantities.items()}
         | {"iterations": entry.iterations, "cuts": entry.cuts}
+        | {"states_changed": " ".join(map(str, entry.changes))}  # iteration by iteration
         | {"residual": f"{entry.residual:.2e}", "seconds": f"{entry.seconds:.3f}"}
     )
 

@@ -100,6 +100,7 @@ class LoadProgramme:
         self.problem, self.normal, self.frictional = normal, normal, frictional
         self.body, self.mu, self._system = normal.body, mu, system
         self._friction_first = friction_first
+        self.confirms = False  # set before ``run``: every solve takes one more iteration than it needs (newton.Newton)
 
     def run(self, programme: list[Increment]) -> Iterator[Outcome]:
         """Yield each outcome while its state is on the half-plane; SolveError ends the run."""
@@ -119,7 +120,9 @@ class LoadProgramme:
             before = increment
 
     def _start(self, problem):
-        return Newton(self._system(problem), self.body.mesh.comm)
+        newton = Newton(self._system(problem), self.body.mesh.comm)
+        newton.confirms = self.confirms
+        return newton
 
     def _begin_friction(self):
         self._normal_newton, self.problem = self._newton, self.frictional
@@ -166,7 +169,8 @@ class LoadProgramme:
             raise SolveError(
                 f"no equilibrium between (P, Q) = ({before.P:.4g}, {before.Q:.4g}) and ({after.P:.4g}, {after.Q:.4g}) "
                 f"({after.branch}): {failed.reason}, and at last {result.reason}; force residual {failed.residual:.1e} P after "
-                f"{failed.iterations} iterations and {depth} halvings of the increment"
+                f"{failed.iterations} iterations and {depth} halvings of the increment, contact states changed in the last "
+                f"iterations: {', '.join(map(str, failed.changes[-4:])) or 'none'}"
             )
         P = (before.P + after.P) / 2 if Y in self.problem.directions else after.P
         middle = replace(after, P=P, Q=(before.Q + after.Q) / 2, state="")
@@ -175,10 +179,10 @@ class LoadProgramme:
 
     def _guarded(self, load, results: list[NewtonResult]) -> NewtonResult:
         """Newton in which no point turns round without sticking in between, then Newton as it is to confirm."""
-        problem = self.problem
-        self._newton.after_linearise = problem.note_sliding
-        guarded = self._newton.solve(load, problem.all_stick)
-        self._newton.after_linearise = lambda: None
+        problem, newton = self.problem, self._newton
+        newton.after_linearise, newton.holds = problem.note_sliding, True
+        guarded = newton.solve(load, problem.all_stick)
+        newton.after_linearise, newton.holds = lambda: None, False
         problem.forget_sliding()
         if not guarded.converged:
             return guarded
@@ -195,8 +199,9 @@ class LoadProgramme:
         for _ in range(MAX_SWEEPS):
             problem.lag_pressure()
             problem.lagged.value = 1.0
+            self._newton.holds = True
             sweep = self._newton.solve(load, predict)
-            problem.lagged.value = 0.0
+            problem.lagged.value, self._newton.holds = 0.0, False
             if not sweep.converged:
                 return replace(sweep, reason=f"in a fixed-point sweep, {sweep.reason}")
             results.append(sweep)
