@@ -85,7 +85,10 @@ class EnergyMeter:
         )
 
 
-def worst_defect(steps: list[EnergyStep]) -> float:
-    """Largest defect of an increment over the largest turnover of one; 0 without increments."""
+def worst_defect(steps: list[EnergyStep], floor: float = 0.0) -> float:
+    """Largest defect of an increment over the largest turnover of one; 0 without increments.
+
+    floor: turnover below which round-off, whose scale is P²/E(a) and not the turnover, is all that a defect shows.
+    """
     turnover = max((step.turnover for step in steps), default=0.0)
-    return max(abs(step.defect) for step in steps) / turnover if turnover else 0.0
+    return max(abs(step.defect) for step in steps) / max(turnover, floor) if turnover else 0.0

@@ -151,9 +151,13 @@ class Newton:
         self.snes.solve(None, self.x)
         code = self.snes.getConvergedReason()
         if code > 0 and self.confirms:
+            kept = self.x.copy()
             self._step()
             self._residual(self.snes, self.x, self._f)
-            self._count_changes()
+            if np.all(np.isfinite(self._norms)):  # nan where every point slides at the solution
+                self._count_changes()
+            kept.copy(self.x)
+            self._residual(self.snes, self.x, self._f)
         self.system.finish(self.x)
         return NewtonResult(
             converged=code > 0 and max(self._norms) <= 10 * ATTAINABLE,  # whatever rule of PETSc's ended it

@@ -106,6 +106,8 @@ def write_summary(path: Path, summary: dict):
 def _plain(value):
     if isinstance(value, dict):
         return {key: _plain(inner) for key, inner in value.items()}
+    if isinstance(value, np.generic):
+        return _plain(value.item())
     if isinstance(value, float) and not np.isfinite(value):
         return None
     return value

@@ -8,7 +8,7 @@ import gmsh
 import numpy as np
 from petsc4py import PETSc
 
-from . import __version__, comparison, output, reference
+from . import __version__, checks, comparison, output, reference
 from .fields import FieldWriter
 from .plots import plot_run
 from .simulation import Simulation
@@ -107,7 +107,10 @@ class Results:
             "ranks": self.comm.size,
         }
         if failure is None:
-            summary |= self._quantities() | self._deviations()
+            height, coupled = simulation.scaled.indenter.height, "coupling" in simulation.effects
+            self._checks = checks.check(history, height, coupled or not scene.friction)
+            found = {name: vars(c) | {"holds": c.holds} for name, c in self._checks.items()}
+            summary |= self._quantities() | {"checks": found} | self._deviations()
         summary["seconds"] = watch.seconds | {"total": watch.total}
         summary["versions"] = versions()
         return summary
@@ -163,6 +166,7 @@ class Results:
         if self._neglecting:
             lines += ["", *self._rows(self._neglecting, summary["differences"], "difference")]
             lines.append(f"differences from the {summary['differences_from']}")
+        lines.append(checks.describe(self._checks))
         return "\n".join(lines)
 
     def _rows(self, other, deviation, kind):
