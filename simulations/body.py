@@ -18,6 +18,9 @@ from .mesh import FAR, SURFACE, SYMMETRY
 
 X, Y = 0, 1  # components: along the surface, into the body
 BULK_QUADRATURE_DEGREE = 5  # 3 Gauss points a direction: the square of a degree-2 gradient, in graded layers
+# Integration at the displacement nodes makes each node carry its own contact force; with Gauss points between
+# them the semismooth Newton diverges on thin layers.
+SURFACE_RULE = {"quadrature_rule": "GLL", "quadrature_degree": 3}
 
 
 class HalfPlane:
@@ -153,10 +156,7 @@ class HalfPlane:
         middle = dolfinx.mesh.compute_midpoints(mesh, 1, surface)[:, 0]
         self.strip = surface[np.abs(middle) < strip]
         tags = dolfinx.mesh.meshtags(mesh, 1, np.sort(self.strip), np.full(len(self.strip), SURFACE, np.int32))
-        # Integration at the displacement nodes makes each node carry its own contact force; with Gauss
-        # points between them the semismooth Newton diverges on thin layers.
-        rule = {"quadrature_rule": "GLL", "quadrature_degree": 3}
-        self.surface_measure = ufl.Measure("ds", mesh, subdomain_data=tags, metadata=rule)(SURFACE)
+        self.surface_measure = ufl.Measure("ds", mesh, subdomain_data=tags, metadata=SURFACE_RULE)(SURFACE)
         mesh.topology.create_connectivity(1, 2)
         to_cell = mesh.topology.connectivity(1, 2)
         self.strip_cells = np.unique([to_cell.links(facet)[0] for facet in self.strip]).astype(np.int32)

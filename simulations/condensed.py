@@ -216,6 +216,10 @@ class CondensedSystem:
         self._offset[:] = 0.0
         self._has_offset = False
 
+    def is_singular(self) -> bool:
+        """Whether the cylinder is free to move at the last ``linearise``."""
+        return self._comm.bcast(bool(self._singular) if self._comm.rank == 0 else None)
+
     def multiply(self, x, y):
         """y = J x."""
         if self._comm.rank == 0:

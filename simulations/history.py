@@ -23,6 +23,8 @@ class Entry:
     residual: float
     imbalance: float
     seconds: float
+    tolerance: float = 0.0  # of the residual
+    changes: tuple[int, ...] = ()  # points whose contact state changed, in each iteration of the solve that counts
 
     @property
     def a(self) -> float:
@@ -77,6 +79,8 @@ class History:
             residual=outcome.results[-1].residual,
             imbalance=outcome.results[-1].imbalance,
             seconds=seconds,
+            tolerance=max(result.tolerance for result in outcome.results),
+            changes=outcome.results[-1].changes,
         )
         self.entries.append(entry)
         return entry

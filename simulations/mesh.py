@@ -91,6 +91,9 @@ def half_plane(comm, x: np.ndarray, s: np.ndarray):
     if comm.rank == 0:
         gmsh.initialize(interruptible=False)
         gmsh.option.setNumber("General.Terminal", 0)
+        # Relative to the domain: with gmsh's own 1e-8 thin cells would be merged.
+        smallest = min(np.diff(x).min(), np.diff(s).min())
+        gmsh.option.setNumber("Geometry.Tolerance", 1e-3 * smallest / max(np.ptp(x), s[-1]))
         gmsh.model.add("half-plane")
         corner = gmsh.model.geo.addPoint(x[0], 0.0, 0.0)
         (_, (_, surface)) = gmsh.model.geo.extrude([(0, corner)], x[-1] - x[0], 0, 0, *_cells(x))

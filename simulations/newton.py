@@ -9,12 +9,15 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
+from mpi4py import MPI
 from petsc4py import PETSc
+
+from .problem import ContactProblem
 
 SNES_OPTIONS = {
     "snes_type": "newtonls",
     "snes_linesearch_type": "basic",  # full steps: the semismooth method ends after finitely many
-    "snes_max_it": 25,
+    "snes_max_it": 60,
     "ksp_type": "preonly",
 }
 BULK_OPTIONS = {
@@ -23,9 +26,11 @@ BULK_OPTIONS = {
     "mat_mumps_icntl_7": 6,  # QAMD ordering: beats the automatic choice on graded meshes
     "mat_mumps_icntl_14": 60,  # working space, per cent
 }
-FORCE_TOLERANCE = 1e-9  # force residual / P
+FORCE_TOLERANCE = 1e-9  # force residual / P, where round-off lets it get there
+ROUND_OFF = 4.0  # residuals are balanced this many times above the last digits' own, measured for k from -0.9 to 0
 LOAD_TOLERANCE = 1e-9  # load imbalance / P
 SETTLED = 1e-11  # force residual / P above which a balanced state gets one more step: what is left of a long first one
+ROUNDS = 3  # the same change of contact states as often as this is a cycle (twice may be luck near a singular tangent)
 STEP_TOLERANCE = 1e-11  # a step this small (relative) ends the iteration if round-off holds the residual up ...
 ATTAINABLE = 1e-6  # ... below this
 
@@ -39,6 +44,8 @@ class NewtonResult:
     residual: float
     imbalance: float
     reason: str
+    tolerance: float = FORCE_TOLERANCE  # of the residual: the attainable one where that is larger
+    changes: tuple[int, ...] = ()  # points whose contact state (open, stick, slip) changed, iteration by iteration
 
 
 class System(Protocol):
@@ -70,6 +77,13 @@ class System(Protocol):
 
     def take_up(self, forces: np.ndarray):
         """Go on from fields that an earlier run's ``finish`` left with these forces."""
+
+    def is_singular(self) -> bool:
+        """Whether the last ``linearise`` found the cylinder free to move: every point slides."""
+
+    @property
+    def problem(self) -> ContactProblem:
+        """The contact problem behind the system."""
 
 
 def with_defaults(prefix: str, defaults: dict, configure):
@@ -122,8 +136,12 @@ class Newton:
         self.snes.ksp.pc.setType(PETSc.PC.Type.PYTHON)
         self.snes.ksp.pc.setPythonContext(_Operator(system))
         with_defaults(prefix, SNES_OPTIONS, self.snes.setFromOptions)
-        self._scale, self._norms = 1.0, (np.inf, np.inf)
         self._polished = False
+        self._last_force = np.inf
+        self._scale, self._norms, self._tolerance = 1.0, (np.inf, np.inf), FORCE_TOLERANCE
+        self.confirms = False  # one more iteration after the last, to see whether contact states still change
+        self.holds = False  # whether a step from where every point slides is taken with all of them sticking
+        self._predict, self._states, self._changes, self._seen, self._was_singular = None, None, [], {}, False
         self.after_linearise = lambda: None  # called with the fields at the iterate
 
     def solve(self, load, predict=None) -> NewtonResult:
@@ -131,34 +149,52 @@ class Newton:
 
         predict: a Constant that is 1 during one preliminary step (the all-stick predictor), or None.
         """
-        self._scale, self._polished = abs(load[1]), False
-        self.system.begin(load, self.x)
+        self._polished = False
+        self._begin(load)
         if predict is not None:
             predict.value = 1.0
             self._step()
             predict.value = 0.0
+        self._predict, self._states, self._changes, self._seen = predict, None, [], {}
+        self._was_singular = False
         self.snes.solve(None, self.x)
-        self.system.finish(self.x)
         code = self.snes.getConvergedReason()
+        if code > 0 and self.confirms:
+            kept = self.x.copy()
+            self._step()
+            self._residual(self.snes, self.x, self._f)
+            if np.all(np.isfinite(self._norms)):  # nan where every point slides at the solution
+                self._count_changes()
+            kept.copy(self.x)
+            self._residual(self.snes, self.x, self._f)
+        self.system.finish(self.x)
         return NewtonResult(
-            converged=code > 0,
+            converged=code > 0 and max(self._norms) <= 10 * ATTAINABLE,  # whatever rule of PETSc's ended it
             iterations=self.snes.getIterationNumber() + (predict is not None),
             residual=self._norms[0],
             imbalance=self._norms[1],
-            reason=_REASONS.get(code, f"SNES reason {code}") if code <= 0 else "",
+            reason=self._reason(code),
+            tolerance=self._tolerance,
+            changes=tuple(self._changes),
         )
 
     def balance(self, load) -> NewtonResult:
         """Whether the present state already balances the loads, by the same measure; nothing is moved."""
-        self._scale = abs(load[1])
-        self.system.begin(load, self.x)
+        self._begin(load)
         self._residual(self.snes, self.x, self._f)
         balanced = self._balanced()
-        return NewtonResult(balanced, 0, *self._norms, "" if balanced else "the fixed point has not settled")
+        reason = "" if balanced else "the fixed point has not settled"
+        return NewtonResult(balanced, 0, *self._norms, reason, self._tolerance)
+
+    def _begin(self, load):
+        self._scale = abs(load[1])
+        self.system.begin(load, self.x)
+        attainable = ROUND_OFF * self.system.problem.round_off() / self._scale
+        self._tolerance = min(max(FORCE_TOLERANCE, attainable), ATTAINABLE)
 
     def _balanced(self):
         force, imbalance = self._norms
-        return force <= FORCE_TOLERANCE and imbalance <= LOAD_TOLERANCE
+        return force <= self._tolerance and imbalance <= max(LOAD_TOLERANCE, self._tolerance)
 
     def _step(self):
         step = self.x.duplicate()
@@ -173,10 +209,42 @@ class Newton:
 
     def _linearise(self, snes, x, jacobian, preconditioner):
         self.system.linearise(x)
+        if self.holds and self._predict is not None:
+            singular = self.system.is_singular()
+            if singular and not self._was_singular:
+                # Every point slides, and nothing but sticking points can hold the cylinder: all stick in this step.
+                self._predict.value = 1.0
+                self.system.linearise(x)
+                self._predict.value = 0.0
+            self._was_singular = singular
         jacobian.assemble()
         self.after_linearise()
 
+    def _count_changes(self) -> bool:
+        """Count the contact states that changed; True where they did the same ROUNDS times, and so will do again."""
+        states, before = self.system.problem.contact_states().astype(np.int8), self._states
+        self._states = states
+        if before is None:
+            return False
+        comm = self.snes.comm.tompi4py()
+        step = before.tobytes() + states.tobytes()
+        self._seen[step] = self._seen.get(step, 0) + 1
+        changed = comm.allreduce(int(np.count_nonzero(states != before)))
+        rounds = comm.allreduce(self._seen[step], MPI.MIN)
+        self._changes.append(changed)
+        return changed > 0 and rounds == ROUNDS
+
+    def _reason(self, code):
+        if code > 0:
+            return ""
+        if code == PETSc.SNES.ConvergedReason.DIVERGED_INNER:
+            return f"Newton cycles: {self._changes[-1]} contact states keep changing"
+        return _REASONS.get(code, f"SNES reason {code}")
+
     def _test(self, snes, iteration, norms):
+        before = self._last_force
+        self._last_force = self._norms[0]
+        cycles = self._count_changes()
         force, imbalance = self._norms
         reason = PETSc.SNES.ConvergedReason
         if not np.isfinite(norms[2]):
@@ -188,7 +256,11 @@ class Newton:
             self._polished = True
             return reason.CONVERGED_ITERATING
         small_step = iteration > 0 and norms[1] <= STEP_TOLERANCE * norms[0]
-        if small_step and force <= ATTAINABLE and imbalance <= 10 * LOAD_TOLERANCE:
+        # With the contact states at rest the problem is linear and one step ends it: what is left is round-off.
+        at_rest = self._changes[-2:] == [0, 0] and force > before / 10
+        if cycles:
+            return reason.DIVERGED_INNER
+        if (small_step or at_rest) and force <= ATTAINABLE and imbalance <= 10 * LOAD_TOLERANCE:
             return reason.CONVERGED_SNORM_RELATIVE
         if last:
             return reason.DIVERGED_MAX_IT

@@ -95,6 +95,7 @@ def _row(number: int, entry: Entry, scales: Scales, friction: bool) -> dict:
         {"increment": number, "branch": increment.branch, "cycle": increment.cycle, "state": increment.state}
         | {name: f"{value:.12g}" for name, value in quantities.items()}
         | {"iterations": entry.iterations, "cuts": entry.cuts}
+        | {"states_changed": " ".join(map(str, entry.changes))}  # iteration by iteration
         | {"residual": f"{entry.residual:.2e}", "seconds": f"{entry.seconds:.3f}"}
     )
 
@@ -133,6 +134,8 @@ def write_summary(path: Path, summary: dict):
 def _plain(value):
     if isinstance(value, dict):
         return {key: _plain(inner) for key, inner in value.items()}
+    if isinstance(value, np.generic):
+        return _plain(value.item())
     if isinstance(value, float) and not np.isfinite(value):
         return None
     return value

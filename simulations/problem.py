@@ -59,8 +59,10 @@ class ContactProblem:
             gap = contact.gap(u, profile, body.delta)
             pressure = tractions[Y] = contact.contact_pressure(traction, gap, gamma)
             self._pressure = self._expression(pressure)
+            closed = ufl.conditional(ufl.gt(pressure, 0.0), 2.0, 0.0)
         else:
             pressure = self._held_pressure = self._point_values("pressure")
+            closed = ufl.conditional(ufl.gt(pressure, 0.0), 2.0, 0.0)
         if self.friction:
             self.mu = fem.Constant(body.mesh, 0.0)
             self.anchor = self._point_values("anchor")
@@ -74,6 +76,7 @@ class ContactProblem:
             limit = self.mu * pressure
             sliding = contact.slides(trial, limit, self._slid)
             self._sliding = self._expression(sliding)
+            closed = ufl.conditional(ufl.gt(closed, 1.0), closed + sliding, 0.0)
             tractions[X] = contact.coulomb(trial, pressure, limit, sliding, self.all_stick)
             self._rest = self._expression(contact.rest_position(traction, s, tractions[X], gamma))
             self._released = self._expression(contact.rest_position(traction, s, 0.0, gamma))
@@ -98,6 +101,11 @@ class ContactProblem:
         self._corner = [[fem.form(-ufl.derivative(r, body.state, e)) for e in along] for r in resultants]
         self._nodal = {i: fem.form(w) for i, w in work.items()}
         self._tributary = fem.form(v[Y] * ds)
+        self._contact_state = self._expression(closed)
+        self._state_values = self._point_values("contact state")
+        self._surface_points = self._owned_surface_points()
+        # A displacement's last digit, times gamma and a node's length of surface, is a contact force.
+        self.force_per_digit = np.finfo(float).eps * self._vector(fem.form(gamma * v[Y] * ds)).norm()
 
     # --- residual and Jacobian -----------------------------------------------------------------------------
 
@@ -146,6 +154,16 @@ class ContactProblem:
             return nothing if direction == X or self.held_forces is None else self.held_forces.copy()
         return self._vector(self._nodal[direction]).array[self._owned(direction)]
 
+    def contact_states(self) -> np.ndarray:
+        """0 open, 2 closed or sticking, 3 and 1 sliding along +x and -x: at the surface points of this rank's cells, (m,)."""
+        self._interpolate(self._state_values, self._contact_state)
+        return self._state_values.x.array[self._surface_points]
+
+    def round_off(self) -> float:
+        """Norm of the contact forces that the last digits of the present displacement make: no residual gets below."""
+        size = max(np.abs(self.body.state.x.array[self._surface_dofs]).max(initial=0.0), np.abs(self.body.delta.value).max())
+        return self.force_per_digit * self.body.mesh.comm.allreduce(size, MPI.MAX)
+
     def tributary_lengths(self) -> np.ndarray:
         """Length of surface that belongs to every owned node, (n,); zero off the strip."""
         return self._vector(self._tributary).array[self._owned(Y)]
@@ -187,6 +205,17 @@ class ContactProblem:
         tangential = self.body.state.x.array - self.held_state.x.array
         self.body.state.x.array[:] = self.held_state.x.array
         return tangential
+
+    def _owned_surface_points(self):
+        """Dofs of the point space on the strip, those of cells that this rank owns."""
+        body = self.body
+        cells = body.strip_cells[body.strip_cells < body.mesh.topology.index_map(2).size_local]
+        dofs = body.point_space.dofmap.list[cells]
+        depth = body.point_space.tabulate_dof_coordinates()[dofs, Y]
+        height = body.cell_height.x.array[body.cell_height.function_space.dofmap.list[cells]]
+        nodes = fem.locate_dofs_topological(body.displacements, 1, body.strip)
+        self._surface_dofs = body.dofs[nodes].ravel()
+        return dofs[depth < height / 4]
 
     def _owned(self, direction):
         """Local dofs of one displacement of the nodes that this rank owns."""

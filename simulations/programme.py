@@ -101,6 +101,7 @@ class LoadProgramme:
         self.problem, self.normal, self.frictional = normal, normal, frictional
         self.body, self.mu, self._system = normal.body, mu, system
         self._friction_first = friction_first
+        self.confirms = False  # set before ``run``: every solve takes one more iteration than it needs (newton.Newton)
 
     @property
     def system(self) -> System:
@@ -139,7 +140,9 @@ class LoadProgramme:
             before = increment
 
     def _start(self, problem):
-        return Newton(self._system(problem), self.body.mesh.comm)
+        newton = Newton(self._system(problem), self.body.mesh.comm)
+        newton.confirms = self.confirms
+        return newton
 
     def _begin_friction(self):
         self._normal_newton, self.problem = self._newton, self.frictional
@@ -186,7 +189,8 @@ class LoadProgramme:
             raise SolveError(
                 f"no equilibrium between (P, Q) = ({before.P:.4g}, {before.Q:.4g}) and ({after.P:.4g}, {after.Q:.4g}) "
                 f"({after.branch}): {failed.reason}, and at last {result.reason}; force residual "
-                f"{failed.residual:.1e} P after {failed.iterations} iterations and {depth} halvings of the increment"
+                f"{failed.residual:.1e} P after {failed.iterations} iterations and {depth} halvings of the increment, "
+                f"contact states changed in the last iterations: {', '.join(map(str, failed.changes[-4:])) or 'none'}"
             )
         P = (before.P + after.P) / 2 if Y in self.problem.directions else after.P
         middle = replace(after, P=P, Q=(before.Q + after.Q) / 2, state="")
@@ -195,10 +199,10 @@ class LoadProgramme:
 
     def _guarded(self, load, results: list[NewtonResult]) -> NewtonResult:
         """Newton in which no point turns round without sticking in between, then Newton as it is to confirm."""
-        problem = self.problem
-        self._newton.after_linearise = problem.note_sliding
-        guarded = self._newton.solve(load, problem.all_stick)
-        self._newton.after_linearise = lambda: None
+        problem, newton = self.problem, self._newton
+        newton.after_linearise, newton.holds = problem.note_sliding, True
+        guarded = newton.solve(load, problem.all_stick)
+        newton.after_linearise, newton.holds = lambda: None, False
         problem.forget_sliding()
         if not guarded.converged:
             return guarded
@@ -215,8 +219,9 @@ class LoadProgramme:
         for _ in range(MAX_SWEEPS):
             problem.lag_pressure()
             problem.lagged.value = 1.0
+            self._newton.holds = True
             sweep = self._newton.solve(load, predict)
-            problem.lagged.value = 0.0
+            problem.lagged.value, self._newton.holds = 0.0, False
             if not sweep.converged:
                 return replace(sweep, reason=f"in a fixed-point sweep, {sweep.reason}")
             results.append(sweep)

@@ -11,7 +11,7 @@ import gmsh
 import numpy as np
 from petsc4py import PETSc
 
-from . import __version__, checkpoint, comparison, fields, output, reference
+from . import __version__, checkpoint, checks, comparison, fields, output, reference
 from .checkpoint import Checkpoint
 from .fields import FieldWriter
 from .language import SceneError
@@ -171,7 +171,10 @@ class Results:
             "ranks": self.comm.size,
         }
         if failure is None:
-            summary |= self._quantities() | self._deviations()
+            height, coupled = simulation.scaled.indenter.height, "coupling" in simulation.effects
+            self._checks = checks.check(history, height, coupled or not scene.friction)
+            found = {name: vars(c) | {"holds": c.holds} for name, c in self._checks.items()}
+            summary |= self._quantities() | {"checks": found} | self._deviations()
         summary["seconds"] = watch.seconds | {"total": watch.total}
         summary["versions"] = versions()
         return summary
@@ -227,6 +230,7 @@ class Results:
         if self._neglecting:
             lines += ["", *self._rows(self._neglecting, summary["differences"], "difference")]
             lines.append(f"differences from the {summary['differences_from']}")
+        lines.append(checks.describe(self._checks))
         return "\n".join(lines)
 
     def _rows(self, other, deviation, kind):

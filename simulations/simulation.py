@@ -11,6 +11,7 @@ from .edges import expected_edges
 from .effects import Effects
 from .full import FullSystem
 from .history import Entry, History
+from .limits import check_parameters, check_resolution, check_round_off, check_size
 from .memory import Numbering
 from .mesh import Grading, columns, half_plane, layers
 from .observables import SurfaceSampler
@@ -40,13 +41,16 @@ class Simulation:
             self.loop = self.contact.fretting(mu=self.mu, z=1.0 - scene["load.amplitude"])
         self.programme = self._programme()
         with self.watch("mesh"):
+            check_parameters(scene)
             self.cells = cells or comm.bcast(self._grading() if comm.rank == 0 else None)
+            check_resolution(scene, self.cells, self.loop)
             law = self.scaled.modulus
             x = columns(self.cells)
             if "symmetry" in self.effects:
                 middle = len(x) // 2
                 x = x[middle:] - x[middle]
             s = layers(self.cells, law.depth_map(), law.thickness)
+            check_size(scene, self.cells, len(x) - 1, len(s) - 1)
             mesh, facets = half_plane(comm, x, s)
         with self.watch("forms"):  # compiles them the first time
             self.body = HalfPlane(
@@ -62,6 +66,7 @@ class Simulation:
             nitsche = Nitsche(scene["solver.gamma0"], scene["solver.theta"])
             indenter = self.scaled.indenter
             normal = ContactProblem(self.body, indenter.height, nitsche, (Y,))
+            check_round_off(scene, self.cells, normal)
             frictional = None
             if scene.friction:
                 directions = (X, Y) if "coupling" in self.effects else (X,)

@@ -1,0 +1,76 @@
+"""Table and picture of the hard cases."""
+
+from collections import Counter
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+GREEN, REFUSED, FAILED, WRONG = "green", "refused", "no answer", "wrong"
+COLOURS = {GREEN: "#009E73", REFUSED: "#E69F00", FAILED: "#0072B2", WRONG: "#D55E00"}  # colour-blind safe
+MEANING = {
+    GREEN: "converged, all checks hold",
+    REFUSED: "refused with the reason",
+    FAILED: "ended with the reason, no answer",
+    WRONG: "wrong without a word",
+}
+
+
+def by_study(rows: list[dict]) -> dict[str, list[dict]]:
+    """Rows by the name of their study."""
+    studies: dict[str, list[dict]] = {}
+    for row in rows:
+        studies.setdefault(row["name"].partition(":")[0], []).append(row)
+    return studies
+
+
+def summary(rows: list[dict]) -> str:
+    """One line: how many ended how."""
+    count = Counter(row["outcome"] for row in rows)
+    return f"{len(rows)} cases: " + ", ".join(f"{count[o]} {MEANING[o]} ({count[o] / len(rows):.1%})" for o in MEANING)
+
+
+def table(rows: list[dict]) -> str:
+    """Markdown: a row a study, then every case that is not green."""
+    lines = [summary(rows), "", "| study | cases | green | refused | no answer | wrong | iterations an increment | cuts | p | q | energy |"]
+    lines.append("|---|" + "---:|" * 10)
+    for name, cases in by_study(rows).items():
+        count = Counter(case["outcome"] for case in cases)
+        solved = [case for case in cases if "iterations" in case]
+        mean = sum(c["iterations"] for c in solved) / max(sum(c["increments"] for c in solved), 1)
+        worst = [_largest(solved, f"error {error}") for error in ("pressure_l2", "traction_l2", "dissipated_energy")]
+        numbers = [len(cases), *(count[o] for o in (GREEN, REFUSED, FAILED, WRONG)), f"{mean:.1f}", sum(c["cuts"] for c in solved), *worst]
+        lines.append(f"| {name} | " + " | ".join(map(str, numbers)) + " |")
+    lines += ["", "| not green | how it ended | why |", "|---|---|---|"]
+    lines += [f"| {row['name']} | {row['outcome']} | {row['why']} |" for row in rows if row["outcome"] != GREEN]
+    return "\n".join(lines) + "\n"
+
+
+def _largest(cases, name):
+    values = [abs(case[name]) for case in cases if name in case and case["outcome"] == GREEN]
+    return f"{max(values):.1e}" if values else "–"
+
+
+def picture(path: Path, rows: list[dict]):
+    """PNG: a row of dots a study, one a case, by how it ended; and the iterations that an increment took."""
+    studies = by_study(rows)
+    height = 0.28 * len(studies) + 1.6
+    figure, (left, right) = plt.subplots(1, 2, figsize=(11, height), sharey=True, layout="constrained", width_ratios=(3, 2))
+    markers = {GREEN: "o", REFUSED: "s", FAILED: "^", WRONG: "X"}
+    for place, cases in enumerate(studies.values()):
+        for number, case in enumerate(cases):
+            outcome = case["outcome"]
+            left.plot(number + 1, place, markers[outcome], color=COLOURS[outcome], ms=6)
+            if "iterations" in case:
+                right.plot(case["iterations"] / case["increments"], place, markers[outcome], color=COLOURS[outcome], ms=5, alpha=0.6)
+    for outcome, marker in markers.items():
+        count = sum(row["outcome"] == outcome for row in rows)
+        left.plot(np.nan, np.nan, marker, color=COLOURS[outcome], label=f"{MEANING[outcome]}: {count}")
+    left.set_yticks(range(len(studies)), studies)
+    left.invert_yaxis()
+    left.set(xlabel="case of the study [–]", title="How each case ended")
+    right.set(xlabel="Newton iterations per increment [–]", title="What it took", xscale="log")
+    right.grid(alpha=0.3)
+    figure.legend(*left.get_legend_handles_labels(), loc="outside lower center", ncols=4, fontsize=9, frameon=False)
+    figure.savefig(path, dpi=140)
+    plt.close(figure)

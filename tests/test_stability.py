@@ -1,0 +1,241 @@
+"""Hard cases: each cure, and that without it the case fails; refusals by name; a part of the matrix."""
+
+import csv
+import json
+
+import numpy as np
+import pytest
+from conftest import coarse_arguments, coarse_overrides, run_command
+from solving import coarse_simulation, solved
+
+from simulations import body, checks, effects, newton, stability
+from simulations.condensed import CondensedSystem
+from simulations.energy import EnergyMeter, worst_defect
+from simulations.language import SceneError
+from simulations.limits import expected_error
+from simulations.programme import LoadProgramme, SolveError
+from simulations.stability_report import FAILED, GREEN, REFUSED, WRONG
+
+UNCOUPLED = {"effects__coupling": "false", "solid__nu": 0.3}
+
+
+def iterations(**changes) -> int:
+    """Newton iterations of a coarse loop."""
+    return sum(entry.iterations for entry in solved(**changes).history.entries)
+
+
+# --- each cure, and the case without it -----------------------------------------------------------------------
+
+
+def test_contact_terms_are_integrated_at_the_nodes(monkeypatch):
+    thin = {"solver__method": "full", "mesh__facet": 0.2, "mesh__first_layer": 1e-3, "solver__increments": 1}
+    solved(**thin)
+    monkeypatch.setattr(body, "SURFACE_RULE", {"quadrature_degree": 4})
+    monkeypatch.setattr("simulations.programme.MAX_CUTS", 0)
+    with pytest.raises(SolveError):
+        solved(**thin)
+
+
+def test_increments_start_with_all_points_sticking(monkeypatch):
+    solved()
+    solve = newton.Newton.solve
+    monkeypatch.setattr(newton.Newton, "solve", lambda self, load, predict=None: solve(self, load))
+    with pytest.raises(SolveError, match="singular"):
+        solved()
+
+
+def test_near_incompressibility_chatters_without_the_mean_stress(monkeypatch):
+    mixed = iterations(solid__nu=0.49, solid__k=0.0)
+    monkeypatch.setattr(effects, "LOCKING", 0.499)
+    assert iterations(solid__nu=0.49, solid__k=0.0) > 2 * mixed
+
+
+def test_tolerance_follows_round_off(monkeypatch):
+    thin = UNCOUPLED | {"solid__k": -0.7, "mesh__first_layer": 1e-4}
+    history = solved(**thin).history
+    assert newton.FORCE_TOLERANCE < max(entry.residual for entry in history.entries) < newton.ATTAINABLE
+    monkeypatch.setattr(newton, "ROUND_OFF", 0.0)
+    monkeypatch.setattr(newton, "ATTAINABLE", 0.0)
+    with pytest.raises(SolveError):
+        solved(**thin)
+
+
+def test_all_points_sliding_does_not_end_the_run(monkeypatch):
+    """Pressed on with friction, the first increments have few points in contact, and all of them slide in an iterate."""
+    scene = {"solid__k": -0.5, "solid__nu": 0.3, "effects__friction_in_normal_stage": "true"}
+    solved(**scene)
+    monkeypatch.setattr(CondensedSystem, "is_singular", lambda self: False)
+    with pytest.raises(SolveError, match="singular"):
+        solved(**scene)
+
+
+def test_a_cycle_ends_at_once(monkeypatch):
+    scene = {"solid__nu": 0.3, "effects__friction_in_normal_stage": "true"}
+    quick = iterations(**scene)
+    monkeypatch.setattr(newton, "ROUNDS", 10**9)
+    assert iterations(**scene) > 2 * quick
+
+
+def test_thin_cells_are_kept():
+    """gmsh merges points closer than 1e-8 of the domain by default."""
+    solved(**UNCOUPLED, solid__k=0.0, mesh__first_layer=1e-6, solver__increments=1)
+
+
+# --- refusals ------------------------------------------------------------------------------------------------
+
+REFUSALS = {
+    "slip zone": ({"load__amplitude": 0.01}, ("mesh.edge_facet", "slip zone", "load.amplitude = 0.01")),
+    "steep ends": ({"solid__k": -0.9, "solid__nu": 0.3}, ("mesh.edge_facet", "k = -0.9")),
+    "round-off": ({"solid__k": -0.7, "solid__nu": 0.3, "mesh__first_layer": 1e-6}, ("mesh.first_layer", "round-off")),
+    "gamma0": ({"solver__gamma0": 0.1}, ("solver.gamma0 = 0.1", "0.3")),
+    "surface nodes": ({"mesh__facet": 1e-3, "mesh__extent": 1e4}, ("surface nodes", "mesh.facet")),
+    "unknowns": ({"mesh__edge_facet": 1e-6, "mesh__growth": 1.02, "mesh__layer_growth": 1.02}, ("unknowns", "mesh.growth")),
+}
+
+
+@pytest.mark.parametrize("changes, words", REFUSALS.values(), ids=REFUSALS.keys())
+def test_refused_by_name(changes, words):
+    with pytest.raises(SceneError) as refusal:
+        coarse_simulation(**changes)
+    assert "\n" not in str(refusal.value)
+    for word in words:
+        assert word in str(refusal.value)
+
+
+@pytest.mark.parametrize("name", ["slip zone", "steep ends"])
+def test_what_a_refusal_asks_for_is_accepted(name):
+    changes, _ = REFUSALS[name]
+    with pytest.raises(SceneError) as refusal:
+        coarse_simulation(**changes)
+    needed = float(str(refusal.value).rsplit(" or less", 1)[0].rsplit(maxsplit=1)[-1])
+    coarse_simulation(**changes | {"mesh__edge_facet": needed, "mesh__first_layer": needed})
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_refusal_as_the_user_sees_it(tmp_path, ranks):
+    done = run_command(*coarse_arguments(tmp_path, load__amplitude=0.01), ranks=ranks, timeout=120)
+    assert done.returncode == 2
+    assert sum("slip zone" in line for line in done.stderr.splitlines()) == 1
+    assert "Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize("k, measured", [(-0.5, 7.1e-3), (-0.7, 3.1e-2), (-0.8, 3.2e-2)])
+def test_expected_error_is_no_less_than_the_measured_one(k, measured):
+    size = 0.02 if k > -0.8 else 0.01
+    assert measured < expected_error(k, size) < 4 * measured
+
+
+# --- checks --------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def loop():
+    simulation = coarse_simulation(solid__nu=0.3)
+    meter = EnergyMeter(simulation.body)
+    for entry in simulation.run():
+        meter.read(entry)
+    return simulation, meter
+
+
+def test_energy_balances_exactly_in_every_increment(loop):
+    assert worst_defect(loop[1].steps) < 1e-9
+
+
+def test_energy_balance_sees_a_wrong_displacement():
+    simulation = coarse_simulation()
+    meter = EnergyMeter(simulation.body)
+    for entry in simulation.run():
+        simulation.body.delta.value[0] *= 1.0
+        entry.surface.delta[0] *= 1.001
+        meter.read(entry)
+    assert worst_defect(meter.steps) > 1e-4
+
+
+def test_work_in_a_cycle_tends_to_what_is_dissipated():
+    """Both sums over increments have an error that falls like their square."""
+    defects = []
+    for increments in (4, 8):
+        simulation = coarse_simulation(solver__increments=increments)
+        meter = EnergyMeter(simulation.body)
+        for entry in simulation.run():
+            meter.read(entry)
+        cycle = meter.steps[-len(simulation.history.last_cycle) :]
+        lost = sum(step.indenter + step.boundary - step.stored for step in cycle)
+        defects.append(abs(lost / simulation.history.dissipated_energy - 1))
+    assert defects[1] < 0.4 * defects[0] < 0.02
+
+
+def test_checks_hold_and_see_what_is_wrong(loop):
+    simulation, _ = loop
+    history, height = simulation.history, simulation.scaled.indenter.height
+    assert all(check.holds for check in checks.check(history, height).values())
+    surface = history.entries[-1].surface
+    saved = surface.pressure.copy(), surface.traction.copy()
+    inside = np.flatnonzero(surface.pressure > 0)
+    surface.pressure[inside[::2]] *= 1.1
+    surface.traction[inside[::2]] *= 1.1
+    found = checks.check(history, height)
+    surface.pressure[:], surface.traction[:] = saved
+    assert {name for name, check in found.items() if not check.holds} >= {"load balance", "pressure wiggles", "traction wiggles"}
+    surface.traction[inside] *= -1.0
+    found = checks.check(history, height)
+    surface.traction[:] = saved[1]
+    assert not found["slip against q"].holds
+
+
+def test_user_sees_checks_and_changing_states(tmp_path):
+    done = run_command(*coarse_arguments(tmp_path, solid__nu=0.3))
+    assert "checks hold" in done.stdout
+    found = json.loads((tmp_path / "summary.json").read_text())["checks"]
+    assert found["load balance"]["holds"] and found["|q| <= mu p"]["value"] <= found["|q| <= mu p"]["limit"]
+    with open(tmp_path / "history.csv", newline="") as file:
+        changed = [list(map(int, row["states_changed"].split())) for row in csv.DictReader(file)]
+    assert max(map(max, filter(None, changed))) > 0
+    assert all(counts[-1] == 0 for counts in changed if counts)
+
+
+def test_steady_loop_does_not_drift():
+    assert checks.drift(solved(solid__nu=0.3, load__cycles=5, solver__increments=1).history) < 1e-9
+
+
+def test_ranks_without_contact(tmp_path):
+    """A wide domain on four ranks: some hold no contact facet, and the loop is the same."""
+    changes = {"mesh__extent": 1000.0, "mesh__facet": 0.2, "mesh__edge_facet": 0.05, "solver__increments": 1}
+    energies = []
+    for ranks in (1, 4):
+        done = run_command(*coarse_arguments(tmp_path, **changes), ranks=ranks, timeout=300)
+        assert done.returncode == 0, done.stderr
+        energies.append(json.loads((tmp_path / "summary.json").read_text())["dissipated_energy"])
+    assert energies[1] == pytest.approx(energies[0], rel=1e-7)
+
+
+# --- the matrix ----------------------------------------------------------------------------------------------
+
+
+def outcomes(names) -> dict[str, str]:
+    """How cases ended, by name."""
+    cases = stability.read_cases()
+    return {name: stability.solve(cases[name])["outcome"] for name in names}
+
+
+def test_a_part_of_the_matrix():
+    names = list(stability.read_cases())[::14]
+    ended = outcomes(names)
+    assert WRONG not in ended.values(), ended
+    assert sum(outcome == GREEN for outcome in ended.values()) >= 0.8 * len(names), ended
+
+
+def test_the_command_writes_and_resumes(tmp_path):
+    arguments = ["--output", str(tmp_path), "--only", "units"]
+    first = run_command(*arguments, module="simulations.stability", ranks=2)
+    assert first.returncode == 0, first.stderr
+    assert "4 cases: 4 converged" in first.stdout
+    for name in ("stability.csv", "stability.md", "stability.png"):
+        assert (tmp_path / name).stat().st_size > 0
+    again = run_command(*arguments, module="simulations.stability")
+    assert "units:" not in again.stdout and "4 cases: 4 converged" in again.stdout
+
+
+def test_an_unknown_study_is_one_line():
+    done = run_command("--only", "nonsense", module="simulations.stability")
+    assert done.returncode == 2 and len(done.stderr.strip().splitlines()) == 1
