@@ -11,6 +11,7 @@ import ufl
 from dolfinx import fem
 from dolfinx.fem import petsc as fem_petsc
 from mpi4py import MPI
+from petsc4py import PETSc
 
 from forms import elasticity
 
@@ -61,9 +62,12 @@ class HalfPlane:
         form = fem.form(self._stiffness_form(works))
         self.stiffness = fem_petsc.assemble_matrix(form)
         self.stiffness.assemble()
-        self.constrained_stiffness = fem_petsc.assemble_matrix(form, bcs=self.boundary_conditions)
-        self.constrained_stiffness.assemble()
+        self.constrained_stiffness = self.stiffness.copy()
+        owned = self.fixed_dofs[self.fixed_dofs < self.stiffness.getLocalSize()[0]]
+        first, _ = self.stiffness.getOwnershipRange()
+        self.constrained_stiffness.zeroRowsColumns((first + owned).astype(PETSc.IntType), 1.0)
         self._make_strip(strip)
+        self.recover = None  # function that brings ``state`` beyond the strip up to date, None where it is
 
     @property
     def fixed_dofs(self) -> np.ndarray:
@@ -80,12 +84,19 @@ class HalfPlane:
         """Number of this rank's displacement nodes."""
         return self.displacements.dofmap.index_map.size_local
 
+    def complete(self):
+        """Bring the whole of ``state`` up to date; between increments only the strip is."""
+        if self.recover is not None:
+            recover, self.recover = self.recover, None
+            recover()
+
     def constant(self, value: float) -> fem.Constant:
         """A parameter of the forms."""
         return fem.Constant(self.mesh, float(value))
 
     def displacement(self) -> fem.Function:
         """The present displacement as a field of its own."""
+        self.complete()
         field = fem.Function(self.displacements, name="displacement")
         field.x.array[:] = self.state.x.array[self.dofs.ravel()]
         return field

@@ -6,7 +6,8 @@ from functools import cached_property
 from analytic import GradedHalfPlane, point_force_displacement
 
 from .body import HalfPlane, X, Y
-from .condensed import Compliance, CondensedSystem
+from .compliance import Compliance
+from .condensed import CondensedSystem
 from .edges import expected_edges
 from .effects import Effects
 from .full import FullSystem
