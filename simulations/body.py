@@ -90,6 +90,13 @@ class HalfPlane:
             recover, self.recover = self.recover, None
             recover()
 
+    def reset(self):
+        """No displacement, no load."""
+        self.state.x.array[:] = 0.0
+        self.far_value.x.array[:] = 0.0
+        self.delta.value[:] = 0.0
+        self.recover = None
+
     def constant(self, value: float) -> fem.Constant:
         """A parameter of the forms."""
         return fem.Constant(self.mesh, float(value))

@@ -33,6 +33,7 @@ class CondensedSystem:
         # Displacement of the strip beyond that of the forces: what a new load has not yet moved. The first
         # step removes it, so that the contact states it starts from are those of the fields, not of a jump.
         self._offset, self._has_offset = np.zeros(len(compliance.strip)), False
+        self._held = None, None  # forces of a pressure held, and their displacement
         self._left = None  # the strip as ``finish`` left it, and the forces it was left with
 
     def create_vector(self) -> PETSc.Vec:
@@ -44,11 +45,13 @@ class CondensedSystem:
         self._load = np.asarray(load)
         compliance, body, held = self.compliance, self.problem.body, self.problem.held_forces
         body.set_far_field(load)
-        held = None if held is None else compliance.collect(held[compliance.surface])
+        if held is not self._held[0]:
+            collected = compliance.collect(held[compliance.surface])
+            self._held = held, compliance.response((Y,)).apply(collected) if self._is_root else None
         if self._is_root:
             self._constant = compliance.far @ self._load
             if held is not None:
-                self._constant += compliance.response((Y,)).apply(held)
+                self._constant += self._held[1]
         self._shown = None, None  # the last forces shown, and their displacement
         strip = compliance.strip_values()
         if self._left is not None and np.array_equal(strip, self._left[0]):
