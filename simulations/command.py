@@ -47,12 +47,14 @@ def read_request(arguments: list[str], program: str, description: str, default: 
     parser.add_argument("scene", nargs="?", type=Path, help="scene file (TOML); without one, the default scene")
     parser.add_argument("--output", type=Path, metavar="DIR", help="folder for results (default: results/SCENE)")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="change a key of the scene")
+    parser.add_argument("--accuracy", metavar="ERROR", help="largest relative error wanted; chooses the mesh")
     parser.add_argument("--explain", action="store_true", help="say which effects are on, and stop")
     parser.epilog = "Options that begin with -fretting_ go to PETSc, for instance -fretting_snes_monitor."
     own, petsc = _split_petsc(arguments)
     given = parser.parse_args(own)
     text = default if given.scene is None else _read(given.scene)
-    scene = parse(text, tuple(given.set))
+    accuracy = () if given.accuracy is None else (f"solver.accuracy={given.accuracy}",)
+    scene = parse(text, (*given.set, *accuracy))
     name = program.rpartition(".")[2] if given.scene is None else given.scene.stem
     output = given.output or Path("results") / name
     return Request(scene, output if given.explain else _writable(output), petsc, given.explain)

@@ -23,7 +23,7 @@ from .body import HalfPlane, X, Y
 
 @dataclass(frozen=True)
 class Nitsche:
-    """Parameters of the contact terms: gamma = gamma0 * 4 E/((1-nu^2) h), and the variant theta."""
+    """Parameters of the contact terms: gamma = gamma0 degree^2 E/((1-nu^2) h), and the variant theta."""
 
     gamma0: float = 10.0
     theta: float = 0.0
@@ -51,11 +51,11 @@ class ContactProblem:
             state = body.state - self._held_state
         u, pi = body.split(state)
 
-        gamma = body.constant(nitsche.gamma0) * 4.0 * body.surface_modulus() / body.cell_height
+        gamma = body.constant(nitsche.gamma0 * body.degree**2) * body.surface_modulus() / body.cell_height
         traction = body.traction(u, pi)
         tractions = {}
         if Y in directions:
-            profile = fem.Function(fem.functionspace(body.mesh, ("Lagrange", 2)))  # the terms live at its nodes
+            profile = fem.Function(fem.functionspace(body.mesh, ("Lagrange", body.degree)))  # the terms live at its nodes
             profile.interpolate(lambda x: height(x[0]))
             gap = contact.gap(u, profile, body.delta)
             pressure = tractions[Y] = contact.contact_pressure(traction, gap, gamma)

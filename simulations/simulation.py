@@ -87,12 +87,13 @@ class Simulation:
             self.cells.strip,
             "incompressibility" in self.effects,
             self.effects.works(scene, self.scaled.scales),
+            scene["mesh.degree"],
         )
 
     def _take_over(self, other: "Simulation"):
         """The body of ``other``, at rest; ValueError where it is not the same in scaled units."""
         mine, theirs = (
-            (*astuple(s.scaled.modulus), s.scene["solid.nu"], *(e in s.effects for e in ("symmetry", "incompressibility")))
+            (*astuple(s.scaled.modulus), s.scene["solid.nu"], s.scene["mesh.degree"], *(e in s.effects for e in ("symmetry", "incompressibility")))
             for s in (self, other)
         )
         if type(self.scaled.modulus) is not type(other.scaled.modulus) or not np.allclose(mine, theirs, rtol=1e-12, atol=0):
@@ -140,6 +141,7 @@ class Simulation:
             loads = [(increment.P, increment.Q) for increment in self.programme]
         edges = expected_edges(scene, self.scaled, self.loop, self.effects, loads)
         sizes = scene.section("mesh")
+        del sizes["degree"]
         if not scene.is_power_law:
             sizes["extent"] *= COATED * max(1.0, self.scaled.modulus.thickness)
         return Grading(edges=tuple(sorted({*edges, *(-e for e in edges)})), **sizes)
