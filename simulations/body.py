@@ -11,16 +11,16 @@ import ufl
 from dolfinx import fem
 from dolfinx.fem import petsc as fem_petsc
 from mpi4py import MPI
+from petsc4py import PETSc
 
 from forms import elasticity
 
 from .mesh import FAR, SURFACE, SYMMETRY
 
 X, Y = 0, 1  # components: along the surface, into the body
-BULK_QUADRATURE_DEGREE = 5  # 3 Gauss points a direction: the square of a degree-2 gradient, in graded layers
 # Integration at the displacement nodes makes each node carry its own contact force; with Gauss points between
 # them the semismooth Newton diverges on thin layers.
-SURFACE_RULE = {"quadrature_rule": "GLL", "quadrature_degree": 3}
+SURFACE_RULE = {"quadrature_rule": "GLL"}
 
 
 class HalfPlane:
@@ -29,14 +29,16 @@ class HalfPlane:
     far_field: function ``(x, y, P, Q) -> (2, n)`` with the displacement far from the loads; it is prescribed on
     the outer boundary, so that the domain's size is felt only beyond the resultant loads. strip: half-width of the
     surface on which contact is looked for. mixed: the mean stress is a field of its own. works: further terms of the
-    virtual work, functions ``(body, v) -> form`` linear in ``body.u``. A mesh with SYMMETRY facets is the half x > 0
-    of a symmetric problem.
+    virtual work, functions ``(body, v) -> form`` linear in ``body.u``. degree: of the displacements, 1 to 3. A mesh
+    with SYMMETRY facets is the half x > 0 of a symmetric problem.
 
     ``state`` holds all unknowns; ``u`` and ``pi`` (None unless mixed) are its parts in forms, and ``dofs[n, i]`` is the
     index in ``state`` of displacement i of node n.
     """
 
-    def __init__(self, mesh, facets, modulus, nu: float, far_field, strip: float, mixed=False, works=()):
+    def __init__(self, mesh, facets, modulus, nu: float, far_field, strip: float, mixed=False, works=(), degree=2):
+        self.degree = degree
+        self.bulk_quadrature = 2 * degree + 1  # the square of a gradient, in graded layers
         self.mesh, self.modulus, self.facets, self.mixed = mesh, modulus, facets, mixed
         self.depth = modulus.depth_map()
         self._form_modulus = modulus.with_parameters(self.constant)
@@ -65,8 +67,11 @@ class HalfPlane:
         self.stiffness_form = fem.form(self._stiffness_form(works))
         self.stiffness = fem_petsc.assemble_matrix(self.stiffness_form)
         self.stiffness.assemble()
-        self.constrained_stiffness = fem_petsc.assemble_matrix(self.stiffness_form, bcs=self.boundary_conditions)
-        self.constrained_stiffness.assemble()
+        self.constrained_stiffness = self.stiffness.copy()
+        owned = self.fixed_dofs[self.fixed_dofs < self.stiffness.getLocalSize()[0]]
+        first, _ = self.stiffness.getOwnershipRange()
+        self.constrained_stiffness.zeroRowsColumns((first + owned).astype(PETSc.IntType), 1.0)
+        self.recover = None  # function that brings ``state`` beyond the strip up to date, None where it is
 
     @property
     def fixed_dofs(self) -> np.ndarray:
@@ -83,12 +88,26 @@ class HalfPlane:
         """Number of this rank's displacement nodes."""
         return self.displacements.dofmap.index_map.size_local
 
+    def complete(self):
+        """Bring the whole of ``state`` up to date; between increments only the strip is."""
+        if self.recover is not None:
+            recover, self.recover = self.recover, None
+            recover()
+
+    def reset(self):
+        """No displacement, no load."""
+        self.state.x.array[:] = 0.0
+        self.far_value.x.array[:] = 0.0
+        self.delta.value[:] = 0.0
+        self.recover = None
+
     def constant(self, value: float) -> fem.Constant:
         """A parameter of the forms."""
         return fem.Constant(self.mesh, float(value))
 
     def displacement(self) -> fem.Function:
         """The present displacement as a field of its own."""
+        self.complete()
         field = fem.Function(self.displacements, name="displacement")
         field.x.array[:] = self.state.x.array[self.dofs.ravel()]
         return field
@@ -122,17 +141,17 @@ class HalfPlane:
 
     def _make_spaces(self):
         cell = self.mesh.basix_cell()
-        element = basix.ufl.element("Lagrange", cell, 2, shape=(2,))
+        element = basix.ufl.element("Lagrange", cell, self.degree, shape=(2,))
         if self.mixed:  # Taylor and Hood's pair
             self.space = fem.functionspace(
-                self.mesh, basix.ufl.mixed_element([element, basix.ufl.element("Lagrange", cell, 1)])
+                self.mesh, basix.ufl.mixed_element([element, basix.ufl.element("Lagrange", cell, self.degree - 1)])
             )
             self.displacements, dofs = self.space.sub(0).collapse()
         else:
             self.space = self.displacements = fem.functionspace(self.mesh, element)
             dofs = np.arange(2 * len(self.space.tabulate_dof_coordinates()))
         self.dofs = np.asarray(dofs, dtype=np.int32).reshape(-1, 2)
-        self.point_space = fem.functionspace(self.mesh, ("DG", 2))  # of what surface points remember, cell by cell
+        self.point_space = fem.functionspace(self.mesh, ("DG", self.degree))  # of what surface points remember, cell by cell
         self.state = fem.Function(self.space, name="state")
         self.u, self.pi = self.split(self.state)
 
@@ -140,7 +159,7 @@ class HalfPlane:
         modulus, nu, depth, s = self._form_modulus, self.nu, self._form_depth, self.position[1]
         trial, (v, r) = ufl.TrialFunction(self.space), self.split(ufl.TestFunction(self.space))
         u, pi = self.split(trial)
-        dx = ufl.dx(metadata={"quadrature_degree": BULK_QUADRATURE_DEGREE})
+        dx = ufl.dx(metadata={"quadrature_degree": self.bulk_quadrature})
         correction = self._correction()
         form = elasticity.virtual_work(u, v, modulus, nu, depth, s, correction, pi) * dx
         if self.mixed:
@@ -156,7 +175,8 @@ class HalfPlane:
         middle = dolfinx.mesh.compute_midpoints(mesh, 1, surface)[:, 0]
         self.strip = surface[np.abs(middle) < strip]
         tags = dolfinx.mesh.meshtags(mesh, 1, np.sort(self.strip), np.full(len(self.strip), SURFACE, np.int32))
-        self.surface_measure = ufl.Measure("ds", mesh, subdomain_data=tags, metadata=SURFACE_RULE)(SURFACE)
+        rule = {"quadrature_degree": 2 * self.degree - 1} | SURFACE_RULE
+        self.surface_measure = ufl.Measure("ds", mesh, subdomain_data=tags, metadata=rule)(SURFACE)
         mesh.topology.create_connectivity(1, 2)
         to_cell = mesh.topology.connectivity(1, 2)
         self.strip_cells = np.unique([to_cell.links(facet)[0] for facet in self.strip]).astype(np.int32)
@@ -175,7 +195,7 @@ class HalfPlane:
         """
         if not self.modulus.is_singular:
             return 1.0
-        points, weights = np.polynomial.legendre.leggauss(BULK_QUADRATURE_DEGREE // 2 + 1)
+        points, weights = np.polynomial.legendre.leggauss(self.degree + 1)
         depths = self.mesh.geometry.x[self.mesh.geometry.dofmap][..., 1]
         top, bottom = np.maximum(depths.min(axis=1), 0.0), depths.max(axis=1)
         at_points = self.modulus.young(top[:, None] + (bottom - top)[:, None] * (1.0 + points) / 2.0)

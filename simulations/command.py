@@ -68,6 +68,7 @@ def read_request(arguments: list[str], program: str, description: str | None, de
     parser.add_argument("--output", type=Path, metavar="DIR", help="folder for results (default: results/SCENE)")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="change a key of the scene")
     parser.add_argument("--reference", metavar="KIND", help="what to compare with: auto, closed form, half-plane, none")
+    parser.add_argument("--accuracy", metavar="ERROR", help="largest relative error wanted; chooses the mesh")
     parser.add_argument("--explain", action="store_true", help="say which effects are on, and stop")
     parser.add_argument("--resume", type=Path, metavar="DIR", help="go on with the run that was stopped in DIR")
     parser.add_argument("--quiet", action="store_true", help="say nothing but warnings and errors")
@@ -75,15 +76,17 @@ def read_request(arguments: list[str], program: str, description: str | None, de
     own, petsc = _split_petsc(arguments, [name for action in parser._actions for name in action.option_strings])
     given = parser.parse_args(own)
     if given.resume is not None:
-        if given.scene or given.set or given.output is not None or given.explain or given.reference:
-            others = "scene, --output, --set, --reference or --explain"
-            raise SceneError(f"--resume takes no {others}: its folder has the scene")
+        others = (given.scene, given.set, given.output, given.explain, given.reference, given.accuracy)
+        if any(other is not None and other != [] and other is not False for other in others):
+            names = "scene, --output, --set, --reference, --accuracy or --explain"
+            raise SceneError(f"--resume takes no {names}: its folder has the scene")
         saved = checkpoint.load(given.resume)
         folder = given.resume if saved.complete else writable(given.resume, "--resume")
         return Request(saved.scene, folder, petsc, False, given.quiet, saved)
     text = default if given.scene is None else _read(given.scene)
     reference = [] if given.reference is None else [f"reference.kind={json.dumps(given.reference)}"]
-    scene = parse(text, (*given.set, *reference))
+    accuracy = [] if given.accuracy is None else [f"solver.accuracy={given.accuracy}"]
+    scene = parse(text, (*given.set, *reference, *accuracy))
     name = program.rpartition(".")[2] if given.scene is None else given.scene.stem
     output = Path("results") / name if given.output is None else given.output
     return Request(scene, output if given.explain else writable(output), petsc, given.explain, given.quiet)

@@ -4,7 +4,9 @@ import sys
 
 from . import checkpoint
 from .command import comm, on_root, read_request, run, say, set_petsc_options
+from .estimate import coarser, estimated, expectation
 from .explain import explain
+from .output import write_summary
 from .progress import Progress
 from .results import Results, begin, files
 from .scene import DEFAULT_SCENE
@@ -37,6 +39,8 @@ def go(simulation: Simulation, folder, quiet: bool, again: str):
     progress = Progress(simulation, quiet)
     title = simulation.scene["title"] or "fretting"
     progress.say(f"{title}: {simulation.body.unknowns} unknowns, {comm.size} rank(s)")
+    if "solver.accuracy" in simulation.scene.values:
+        progress.say(expectation(simulation.scene))
     if simulation.history.entries:
         progress.say(f"going on after increment {len(simulation.history.entries)}/{progress.total}")
     try:
@@ -47,11 +51,34 @@ def go(simulation: Simulation, folder, quiet: bool, again: str):
     except KeyboardInterrupt as stop:
         say(f"{stop or 'interrupted'}; go on with {again}", file=sys.stderr)
         raise
+    if "solver.accuracy" in simulation.scene.values:
+        judge(simulation, results, folder, progress)
     if comm.rank == 0:
         progress.say(f"\n{results.table()}")
         seconds = "  ".join(f"{phase} {value:.1f} s" for phase, value in results.summary["seconds"].items())
         progress.say(f"{results.summary['newton_iterations']} Newton iterations;  {seconds}")
         progress.say(f"written to {folder}: {', '.join(files())}")
+
+
+def judge(simulation: Simulation, results: Results, folder, progress: Progress):
+    """Say the error found, or estimated where there is no closed form, beside the accuracy asked for; keep it in the summary."""
+    scene = simulation.scene
+    exact = scene.has_closed_form
+    if exact:
+        errors = comm.bcast(results.summary.get("errors"))
+    else:
+        progress.say("second mesh, for the estimate of the error")
+        other, ratio = coarser(comm, scene)
+        for _ in other.run():
+            pass
+        errors = estimated(simulation, other, ratio)
+    name, largest = max(((name, abs(value)) for name, value in errors.items()), key=lambda item: item[1])
+    wanted, kind = scene["solver.accuracy"], "found" if exact else "estimated, not measured"
+    verdict = "within" if largest <= wanted else "NOT within"
+    progress.say(f"largest error {largest:.1e} ({name}; {kind}): {verdict} {wanted:g}")
+    if comm.rank == 0:
+        results.summary["accuracy"] = {"wanted": wanted, "largest_error": largest, "is_estimate": not exact, "errors": errors}
+        write_summary(folder / "summary.json", results.summary)
 
 
 if __name__ == "__main__":

@@ -26,6 +26,7 @@ BULK_OPTIONS = {
     "mat_mumps_icntl_7": 6,  # QAMD ordering: beats the automatic choice on graded meshes
     "mat_mumps_icntl_14": 60,  # working space, per cent
 }
+BULK_PREFIX = "fretting_bulk_"
 FORCE_TOLERANCE = 1e-9  # force residual / P, where round-off lets it get there
 ROUND_OFF = 4.0  # residuals are balanced this many times above the last digits' own, measured for k from -0.9 to 0
 LOAD_TOLERANCE = 1e-9  # load imbalance / P
@@ -97,12 +98,22 @@ def with_defaults(prefix: str, defaults: dict, configure):
         del options[name]
 
 
-def bulk_solver(matrix: PETSc.Mat, factorisation: str) -> PETSc.KSP:
-    """Direct solver of the body, ``factorisation`` "lu" or "cholesky"; options under ``fretting_bulk_``."""
+def bulk_solver(matrix: PETSc.Mat, factorisation: str, changes=None, prepare=None) -> PETSc.KSP:
+    """Direct solver of the body, ``factorisation`` "lu" or "cholesky", factorised; options under ``fretting_bulk_``.
+
+    changes: to BULK_OPTIONS; prepare: function of the preconditioner, called before it is factorised.
+    """
     ksp = PETSc.KSP().create(matrix.comm)
-    ksp.setOptionsPrefix("fretting_bulk_")
+    ksp.setOptionsPrefix(BULK_PREFIX)
     ksp.setOperators(matrix)
-    with_defaults("fretting_bulk_", BULK_OPTIONS | {"pc_type": factorisation}, ksp.setFromOptions)
+
+    def set_up():
+        ksp.setFromOptions()
+        if prepare is not None:
+            prepare(ksp.pc)
+        ksp.setUp()  # MUMPS reads its options here
+
+    with_defaults(BULK_PREFIX, BULK_OPTIONS | {"pc_type": factorisation} | (changes or {}), set_up)
     return ksp
 
 

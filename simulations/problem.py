@@ -7,11 +7,13 @@ which the two line loads (Q, P) determine:
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import ufl
 from dolfinx import fem
 from dolfinx.fem import petsc as fem_petsc
+from dolfinx.la import InsertMode
 from mpi4py import MPI
 from petsc4py import PETSc
 
@@ -22,7 +24,7 @@ from .body import HalfPlane, X, Y
 
 @dataclass(frozen=True)
 class Nitsche:
-    """Parameters of the contact terms: gamma = gamma0 * 4 E/((1-nu^2) h), and the variant theta."""
+    """Parameters of the contact terms: gamma = gamma0 degree^2 E/((1-nu^2) h), and the variant theta."""
 
     gamma0: float = 10.0
     theta: float = 0.0
@@ -50,11 +52,11 @@ class ContactProblem:
             held_u, held_pi = body.split(self.held_state)
             u, pi = u - held_u, None if pi is None else pi - held_pi
 
-        gamma = body.constant(nitsche.gamma0) * 4.0 * body.surface_modulus() / body.cell_height
+        gamma = body.constant(nitsche.gamma0 * body.degree**2) * body.surface_modulus() / body.cell_height
         traction = body.traction(u, pi)
         tractions = {}
         if Y in directions:
-            profile = fem.Function(fem.functionspace(body.mesh, ("Lagrange", 2)))  # the terms live at its nodes
+            profile = fem.Function(fem.functionspace(body.mesh, ("Lagrange", body.degree)))  # the terms live at its nodes
             profile.interpolate(lambda x: height(x[0]))
             gap = contact.gap(u, profile, body.delta)
             pressure = tractions[Y] = contact.contact_pressure(traction, gap, gamma)
@@ -81,31 +83,42 @@ class ContactProblem:
             self._rest = self._expression(contact.rest_position(traction, s, tractions[X], gamma))
             self._released = self._expression(contact.rest_position(traction, s, 0.0, gamma))
 
-        work = {i: contact.work(tractions[i], v, i) * ds for i in directions}
-        forces = sum(work.values())
+        work = sum(contact.work(tractions[i], v, i) * ds for i in directions)
+        forces = work
         if nitsche.theta:
             for i in directions:
                 traction_test = ufl.derivative(traction[i], body.state, test)
                 theta = body.constant(nitsche.theta)
                 forces += contact.consistency(traction[i], tractions[i], traction_test, theta, gamma) * ds
         sides = 2.0 if body.is_half else 1.0
-        resultants = [sides * tractions[i] * ds for i in directions]
-        along = [body.translations[i] for i in directions]
-        # The indenter enters through u - delta alone, so d/d(delta_i) is minus the derivative along a translation.
+        self._forces_form = forces
+        self._resultant_forms = [sides * tractions[i] * ds for i in directions]
         self._forces = fem.form(forces)
         self._force_tangent = fem.form(ufl.derivative(-forces, body.state, du))
         self._strip_tangent = fem.create_matrix(self._force_tangent)
-        self._resultants = [fem.form(r) for r in resultants]
-        self._columns = [fem.form(ufl.derivative(forces, body.state, e)) for e in along]
-        self._rows = [fem.form(ufl.derivative(r, body.state, test)) for r in resultants]
-        self._corner = [[fem.form(-ufl.derivative(r, body.state, e)) for e in along] for r in resultants]
-        self._nodal = {i: fem.form(w) for i, w in work.items()}
+        self._nodal = fem.form(work) if nitsche.theta else self._forces
         self._tributary = fem.form(v[Y] * ds)
+        self._work = fem.Function(body.space)
         self._contact_state = self._expression(closed)
         self._state_values = self._point_values("contact state")
         self._surface_points = self._owned_surface_points()
         # A displacement's last digit, times gamma and a node's length of surface, is a contact force.
         self.force_per_digit = np.finfo(float).eps * self._vector(fem.form(gamma * v[Y] * ds)).norm()
+
+    @cached_property
+    def _resultants(self):
+        return [fem.form(r) for r in self._resultant_forms]
+
+    @cached_property
+    def _borders(self):
+        """Columns, rows and corner of the rigid displacements as forms; only the full method needs them."""
+        body, test = self.body, ufl.TestFunction(self.body.space)
+        along = [body.translations[i] for i in self.directions]
+        # The indenter enters through u - delta alone, so d/d(delta_i) is minus the derivative along a translation.
+        columns = [fem.form(ufl.derivative(self._forces_form, body.state, e)) for e in along]
+        rows = [fem.form(ufl.derivative(r, body.state, test)) for r in self._resultant_forms]
+        corner = [[fem.form(-ufl.derivative(r, body.state, e)) for e in along] for r in self._resultant_forms]
+        return columns, rows, corner
 
     # --- residual and Jacobian -----------------------------------------------------------------------------
 
@@ -115,6 +128,7 @@ class ContactProblem:
 
     def residual(self, load) -> tuple[PETSc.Vec, np.ndarray]:
         """Force residual (owned dofs) and load imbalance, one per direction, at line loads ``(Q, P)``."""
+        self.body.complete()
         internal = self.body.stiffness.createVecLeft()
         self.body.stiffness.mult(self.body.state.x.petsc_vec, internal)
         internal.axpy(-1.0, self._vector(self._forces))
@@ -141,18 +155,22 @@ class ContactProblem:
 
     def borders(self):
         """Columns and rows (lists of Vec) and corner (m, m) that the rigid displacements add to the Jacobian."""
-        corner = np.array([[self._sum(form) for form in row] for row in self._corner])
-        columns = [self._vector(form) for form in self._columns]
+        columns, rows, corner = self._borders
+        columns = [self._vector(form) for form in columns]
         for column in columns:
             fem_petsc.set_bc(column, self.body.boundary_conditions, alpha=0.0)
-        return columns, [self._vector(form) for form in self._rows], corner
+        corner = np.array([[self._sum(form) for form in row] for row in corner])
+        return columns, [self._vector(form) for form in rows], corner
+
+    def contact_forces(self) -> np.ndarray:
+        """Contact forces along x and y on every owned node, (n, 2); zero along a direction without a term."""
+        return self._on_strip(self._nodal)[self.body.dofs[: self.body.owned_nodes]]
 
     def nodal_forces(self, direction: int) -> np.ndarray:
-        """Contact force along x (0) or y (1) on every owned node, (n,)."""
-        if direction not in self._nodal:
-            nothing = np.zeros(self.body.owned_nodes)
-            return nothing if direction == X or self.held_forces is None else self.held_forces.copy()
-        return self._vector(self._nodal[direction]).array[self._owned(direction)]
+        """Contact force along x (0) or y (1) on every owned node, (n,), that of a pressure held included."""
+        if direction == Y and self.held_forces is not None:
+            return self.held_forces.copy()
+        return self.contact_forces()[:, direction]
 
     def contact_states(self) -> np.ndarray:
         """0 open, 2 closed or sticking, 3 and 1 sliding along +x and -x: at the surface points of this rank's cells, (m,)."""
@@ -166,7 +184,7 @@ class ContactProblem:
 
     def tributary_lengths(self) -> np.ndarray:
         """Length of surface that belongs to every owned node, (n,); zero off the strip."""
-        return self._vector(self._tributary).array[self._owned(Y)]
+        return self._on_strip(self._tributary)[self._owned(Y)]
 
     def lag_pressure(self):
         """Keep the present pressure as the limit of friction while ``lagged`` is 1."""
@@ -234,6 +252,14 @@ class ContactProblem:
 
     def _expression(self, value):
         return fem.Expression(value, self.body.point_space.element.interpolation_points())
+
+    def _on_strip(self, form) -> np.ndarray:
+        """A linear form on the strip, assembled in place: owned dofs hold the sum over ranks."""
+        array = self._work.x.array
+        array[:] = 0.0
+        fem.assemble_vector(array, form)
+        self._work.x.scatter_reverse(InsertMode.add)
+        return array
 
     def _vector(self, form) -> PETSc.Vec:
         vector = fem_petsc.assemble_vector(form)

@@ -13,7 +13,7 @@ import numpy as np
 
 from analytic import CylinderContact, GradedHalfPlane, ProfileContact
 
-from . import effects
+from . import accuracy, effects
 from .indenter import Indenter, from_scene
 from .language import Key, SceneError, one_line, shown
 from .solid import equivalent_half_width, normal_contact
@@ -68,10 +68,12 @@ OWN_KEYS: dict[str, Key] = {
     "mesh.first_layer": Key(1e-7, 0.5, 1e-3, closed=(True, True)),
     "mesh.layer_growth": Key(1.02, 3.0, 1.3, closed=(True, True)),
     "mesh.extent": Key(4.0, 1e4, 20.0, closed=(True, True)),
+    "mesh.degree": Key(1, 3, 2, int, (True, True)),  # of the displacements
     "solver.method": Key(kind=str, default="condensed", choices=("condensed", "full")),
     "solver.normal_increments": Key(1, 1000, 20, int, (True, True)),  # with friction in the normal stage
     "solver.increments": Key(1, 1000, 6, int, (True, True)),  # per quarter cycle, or from point to point
     "solver.gamma0": Key(1e-3, 1e6, 10.0, closed=(True, True)),
+    "solver.accuracy": Key(0.0, 0.5),  # largest relative error wanted; chooses the cell sizes
     "solver.theta": Key(-1.0, 1.0, 0.0, closed=(True, True)),
     # what a run is compared with: "auto" is what has its physics
     "reference.kind": Key(kind=str, default="auto", choices=("auto", "closed form", "half-plane", "none")),
@@ -235,6 +237,7 @@ def resolve(given: dict[str, Any]) -> Scene:
             raise SceneError(f"{shown(Path(name))} = {shown(given[name])} is not a key of the scene language: {hint}")
     given = {name: keys[name].read(name, value) for name, value in given.items()}
     _derive(given)
+    _choose_mesh(given)
     out = _check_combination(given)
     values: dict[str, Any] = {}
     for name, key in keys.items():
@@ -244,7 +247,8 @@ def resolve(given: dict[str, Any]) -> Scene:
             values[name] = key.default
     scene = Scene(_resolve_words(values, keys))
     _check_size(scene)
-    effects.Effects(scene)
+    if "incompressibility" in effects.Effects(scene) and scene["mesh.degree"] == 1:
+        raise SceneError("mesh.degree = 1 is not allowed with mixed unknowns: 2 or 3")
     return scene
 
 
@@ -274,6 +278,18 @@ def _derive(given: dict[str, Any]):
         raise SceneError(
             "solver.theta other than 0 needs effects.coupling = true: the pressure held is that of theta = 0"
         )
+
+
+def _choose_mesh(given: dict[str, Any]):
+    """Cell sizes from the accuracy wanted."""
+    if "solver.accuracy" not in given:
+        return
+    key, k = "solver.accuracy", given.get("solid.k", 0.0)
+    wanted = OWN_KEYS[key].read(key, given[key])
+    k = OWN_KEYS["solid.k"].read("solid.k", k) if k else 0.0
+    for name, value in accuracy.choose(wanted, k if given.get("effects.grading", True) else 0.0).mesh.items():
+        if given.setdefault(name, value) != value:
+            raise SceneError(f"{name} = {given[name]!r} is not allowed beside solver.accuracy, which chooses {value:g}")
 
 
 def _check_combination(given: dict[str, Any]) -> set[str]:

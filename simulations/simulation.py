@@ -1,12 +1,16 @@
 """From a scene to states: mesh, contact problem and load programme put together. No files."""
 
 from collections.abc import Iterator
+from dataclasses import astuple
 from functools import cached_property
+
+import numpy as np
 
 from analytic import GradedHalfPlane, point_force_displacement
 
 from .body import HalfPlane, X, Y
-from .condensed import Compliance, CondensedSystem
+from .compliance import Compliance
+from .condensed import CondensedSystem
 from .edges import expected_edges
 from .effects import Effects
 from .full import FullSystem
@@ -32,7 +36,10 @@ class Simulation:
     spent in each phase.
     """
 
-    def __init__(self, comm, scene: Scene, cells: Grading | None = None):
+    def __init__(self, comm, scene: Scene, cells: Grading | None = None, like: "Simulation | None" = None):
+        """cells: of the mesh, where they are not those of the scene; like: a simulation of the same solid (k, nu, coating), whose mesh,
+        stiffness and compliance this one takes over, whatever its loads, friction and cylinder: it then ends that one.
+        """
         self.scene, self.effects, self.watch = scene, Effects(scene), Stopwatch()
         self.scaled = Scaled.of(scene)
         self.contact, self.mu = self.scaled.contact, scene["load.mu"] if scene.friction else 0.0
@@ -40,29 +47,19 @@ class Simulation:
         if scene.is_loop and self.contact:
             self.loop = self.contact.fretting(mu=self.mu, z=1.0 - scene["load.amplitude"])
         self.programme = self._programme()
-        with self.watch("mesh"):
-            check_parameters(scene)
-            self.cells = cells or comm.bcast(self._grading() if comm.rank == 0 else None)
-            check_resolution(scene, self.cells, self.loop)
-            law = self.scaled.modulus
-            x = columns(self.cells)
-            if "symmetry" in self.effects:
-                middle = len(x) // 2
-                x = x[middle:] - x[middle]
-            s = layers(self.cells, law.depth_map(), law.thickness)
-            check_size(scene, self.cells, len(x) - 1, len(s) - 1)
-            mesh, facets = half_plane(comm, x, s)
-        with self.watch("forms"):  # compiles them the first time
-            self.body = HalfPlane(
-                mesh,
-                facets,
-                law,
-                scene["solid.nu"],
-                self._far_field(),
-                self.cells.strip,
-                "incompressibility" in self.effects,
-                self.effects.works(scene, self.scaled.scales),
-            )
+        check_parameters(scene)
+        if like is None:
+            with self.watch("mesh"):
+                self.cells = cells or comm.bcast(self._grading() if comm.rank == 0 else None)
+                check_resolution(scene, self.cells, self.loop)
+                self.ordinates = self._ordinates()
+                check_size(scene, self.cells, *(len(nodes) - 1 for nodes in self.ordinates))
+                mesh, facets = half_plane(comm, *self.ordinates)
+            with self.watch("forms"):  # compiles them the first time
+                self.body = self._body(mesh, facets)
+        else:
+            self._take_over(like)
+        with self.watch("forms"):
             nitsche = Nitsche(scene["solver.gamma0"], scene["solver.theta"])
             indenter = self.scaled.indenter
             normal = ContactProblem(self.body, indenter.height, nitsche, (Y,))
@@ -76,9 +73,46 @@ class Simulation:
         )
         self.body.delta.value[Y] = indenter.height(1.0)  # overlap on |x| < a: where Newton starts
         self.sampler = SurfaceSampler(self.body, normal, scene.friction and "coupling" not in self.effects)
-        self.numbering = Numbering(self.body, x, s)
+        self.numbering = Numbering(self.body, *self.ordinates)
         self.resumed = 0  # times
         self.history = History(k=scene.k, mu=self.mu)
+
+    def _ordinates(self):
+        """Columns and layers of the mesh."""
+        law, x = self.scaled.modulus, columns(self.cells)
+        if "symmetry" in self.effects:
+            middle = len(x) // 2
+            x = x[middle:] - x[middle]
+        return x, layers(self.cells, law.depth_map(), law.thickness)
+
+    def _body(self, mesh, facets):
+        scene = self.scene
+        return HalfPlane(
+            mesh,
+            facets,
+            self.scaled.modulus,
+            scene["solid.nu"],
+            self._far_field(),
+            self.cells.strip,
+            "incompressibility" in self.effects,
+            self.effects.works(scene, self.scaled.scales),
+            scene["mesh.degree"],
+        )
+
+    def _take_over(self, other: "Simulation"):
+        """The body of ``other``, at rest; ValueError where it is not the same in scaled units."""
+        mine, theirs = (
+            (*astuple(s.scaled.modulus), s.scene["solid.nu"], s.scene["mesh.degree"], *(e in s.effects for e in ("symmetry", "incompressibility")))
+            for s in (self, other)
+        )
+        if type(self.scaled.modulus) is not type(other.scaled.modulus) or not np.allclose(mine, theirs, rtol=1e-12, atol=0):
+            raise ValueError("another solid: its body cannot be taken over")
+        if self.effects.works(self.scene, self.scaled.scales) or other.effects.works(other.scene, other.scaled.scales):
+            raise ValueError("effects add to the stiffness: the body cannot be taken over")
+        self.cells, self.ordinates, self.body = other.cells, other.ordinates, other.body
+        self.body.reset()
+        if other.scene["solver.method"] == "condensed":
+            self._compliance = other._compliance
 
     def _programme(self):
         scene = self.scene
@@ -112,6 +146,7 @@ class Simulation:
         loads = [(increment.P, increment.Q) for increment in self.programme]
         edges = expected_edges(scene, self.scaled, self.loop, self.effects, loads)
         sizes = scene.section("mesh")
+        del sizes["degree"]
         if not scene.is_power_law:
             sizes["extent"] *= COATED * max(1.0, self.scaled.modulus.thickness)
         return Grading(edges=tuple(sorted({*edges, *(-e for e in edges)})), **sizes)

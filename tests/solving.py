@@ -9,9 +9,9 @@ from simulations.scene import DEFAULT_SCENE, parse
 from simulations.simulation import Simulation
 
 
-def coarse_simulation(text=DEFAULT_SCENE, cells=None, **changes) -> Simulation:
+def coarse_simulation(text=DEFAULT_SCENE, cells=None, like=None, **changes) -> Simulation:
     """A coarse simulation of a scene, not yet run."""
-    return Simulation(MPI.COMM_SELF, parse(text, coarse_overrides(**changes)), cells)
+    return Simulation(MPI.COMM_SELF, parse(text, coarse_overrides(**changes)), cells, like)
 
 
 def solved(text=DEFAULT_SCENE, cells=None, **changes) -> Simulation:

@@ -5,9 +5,10 @@ import pytest
 from conftest import coarse_overrides
 from mpi4py import MPI
 
-from simulations.condensed import Compliance, CondensedSystem
-from simulations.full import FullSystem
 from simulations.body import X, Y
+from simulations.compliance import Compliance
+from simulations.condensed import CondensedSystem
+from simulations.full import FullSystem
 from simulations.problem import ContactProblem, Nitsche
 from simulations.scene import DEFAULT_SCENE, parse
 from simulations.simulation import Simulation
@@ -23,6 +24,7 @@ def partly_slipping(request):
     states = simulation.run()
     next(states)
     entry = next(states)
+    simulation.body.complete()
     return simulation, entry.increment.load
 
 

@@ -37,7 +37,7 @@ def test_coupling():
     uncoupled = coarse_simulation(effects__coupling="false", solid__nu=0.3).solver.frictional
     assert "pressure" in fields(uncoupled._forces) and "pressure" not in fields(coupled._forces)
     assert "lagged pressure" not in fields(uncoupled._forces)
-    assert len(uncoupled._columns) == 1
+    assert len(uncoupled._resultants) == 1 and len(coupled._resultants) == 2
 
 
 @pytest.mark.parametrize("k, count", [(0.0, 2), (0.3, 3)])

@@ -6,7 +6,8 @@ from mpi4py import MPI
 
 from forms.modulus import PowerLaw
 from simulations.body import HalfPlane, X, Y
-from simulations.condensed import Compliance, CondensedSystem
+from simulations.compliance import Compliance
+from simulations.condensed import CondensedSystem
 from simulations.full import FullSystem
 from simulations.mesh import half_plane
 from simulations.newton import Newton

@@ -1,0 +1,129 @@
+"""What accuracy costs: errors against seconds over meshes, settings, methods and ranks:  python -m simulations.cost."""
+
+import argparse
+import csv
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+from . import accuracy
+from .command import comm, run, say
+from .cost_cases import Case, cases
+from .language import SceneError
+
+MARK = "measured: "  # before the line that a case's own process prints
+FIELDS = (
+    "study problem level ranks tolerance unknowns surface_nodes increments iterations wall_s cpu_s factorisation_cpu_s "
+    "memory_gib pressure traction slip a c dissipated_energy largest failure"
+).split()
+TEXTS = ("study", "problem", "level", "failure")
+
+
+def main(arguments: list[str]):
+    """Measure what is not in the table yet, each case in a process of its own; then draw the figures."""
+    parser = argparse.ArgumentParser(prog="python -m simulations.cost", description=__doc__)
+    parser.add_argument("--output", type=Path, default=Path("results/cost"), metavar="DIR", help="folder for cost.csv and figures")
+    parser.add_argument("--only", default="", metavar="TEXT", help="cases whose name (study/problem/level) contains it")
+    parser.add_argument("--list", action="store_true", help="name the cases, and stop")
+    parser.add_argument("--peer", action="store_true", help="also GetFEM on the homogeneous loop, where it is installed")
+    parser.add_argument("--calibrate", action="store_true", help="write the table that --accuracy reads from what is measured")
+    parser.add_argument("--case", help=argparse.SUPPRESS)
+    given = parser.parse_args(arguments)
+    wanted = [case for case in cases() if given.only in case.name]
+    if given.case:
+        return _one(given.case)
+    if not wanted:
+        raise SceneError(f"--only {given.only}: no such case; --list names them")
+    if given.list:
+        return say("\n".join(case.name for case in wanted))
+    from .cost_plots import draw  # matplotlib is not for the processes that measure
+
+    given.output.mkdir(parents=True, exist_ok=True)
+    path = given.output / "cost.csv"
+    done = {name_of(row) for row in read(path)}
+    for number, case in enumerate(wanted, start=1):
+        if case.name not in done:
+            row = _measured_apart(case)
+            _append(path, row)
+            said = row.get("failure") or f"{row['unknowns']} unknowns, {row['cpu_s']:.2f} s CPU, error {row['largest']:.1e}"
+            say(f"{number:4d}/{len(wanted)}  {case.name}: {said}")
+    if given.peer:
+        from .peer_getfem import compare_peer
+
+        for row in compare_peer({name_of(row) for row in read(path)}, say):
+            _append(path, row)
+    rows = read(path)
+    if given.calibrate:
+        calibrate(rows)
+    for figure in draw(rows, given.output):
+        say(f"written {figure}")
+
+
+def read(path: Path) -> list[dict]:
+    """Rows of a table, numbers as numbers."""
+    if not path.exists():
+        return []
+    with path.open(encoding="utf-8", newline="") as file:
+        return [{name: _number(name, value) for name, value in row.items()} for row in csv.DictReader(file)]
+
+
+def name_of(row: dict) -> str:
+    """study/problem/level, as of a case."""
+    return f"{row['study']}/{row['problem']}/{row['level']}"
+
+
+def calibrate(rows: list[dict]):
+    """Write ``accuracy.csv`` from the study of fineness."""
+    lines = [
+        (case.k, float(case.level), row["largest"], row["cpu_s"])
+        for row in rows
+        if row["study"] == "fineness" and not row["failure"]
+        for case in [Case("fineness", row["problem"], row["level"])]
+    ]
+    with accuracy.TABLE.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(("k", "fineness", "error", "seconds"))
+        writer.writerows((f"{k:g}", f"{t:g}", f"{error:.2e}", f"{seconds:.2f}") for k, t, error, seconds in sorted(lines))
+
+
+def _number(name: str, text: str):
+    return text or "" if name in TEXTS or not text else float(text)
+
+
+def _append(path: Path, row: dict):
+    new = not path.exists()
+    with path.open("a", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, FIELDS, lineterminator="\n")
+        if new:
+            writer.writeheader()
+        writer.writerow({name: f"{v:.6g}" if isinstance(v, float) else v for name, v in row.items()})
+
+
+def _measured_apart(case: Case) -> dict:
+    """The row of a case, measured in a process (or mpirun) of its own."""
+    command = [sys.executable, "-m", "simulations.cost", "--case", case.name]
+    if case.ranks > 1:
+        command = [shutil.which("mpirun"), "-n", str(case.ranks), *command]
+    done = subprocess.run(command, text=True, capture_output=True, stdin=subprocess.DEVNULL, env=os.environ | {"OMP_NUM_THREADS": "1"})
+    row = {"study": case.study, "problem": case.problem, "level": case.level, "ranks": case.ranks, "tolerance": case.tolerance}
+    lines = [line for line in done.stdout.splitlines() if line.startswith(MARK)]
+    if lines:
+        return row | json.loads(lines[-1].removeprefix(MARK))
+    reason = (done.stderr.strip().splitlines() or [f"exit code {done.returncode}"])[-1]
+    return row | {"failure": reason[:200]}
+
+
+def _one(name: str):
+    from .cost_model import measure
+
+    (case,) = (case for case in cases() if case.name == name)
+    row = measure(case)
+    if comm.rank == 0:
+        print(MARK + json.dumps(row), flush=True)
+
+
+if __name__ == "__main__":
+    run(main)

@@ -1,0 +1,149 @@
+"""Figures of the study of cost: work and precision, rates, where the error comes from, and the Pareto front."""
+
+from pathlib import Path
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+import numpy as np
+
+COLOURS = {"default": "#0072B2", "k=-0.5": "#D55E00", "k=0": "#009E73", "k=0.7": "#CC79A7", "peer": "#56B4E9", "GetFEM": "#000000"}
+MARKERS = {"default": "o", "k=-0.5": "s", "k=0": "^", "k=0.7": "D", "peer": "v", "GetFEM": "X"}
+NAMES = {
+    "default": "k = 0.3, Holl ratio",
+    "k=-0.5": "k = −0.5",
+    "k=0": "k = 0",
+    "k=0.7": "k = 0.7",
+    "peer": "k = 0, ν = 0.495, coupled",
+    "GetFEM": "GetFEM, the same loop",
+}
+QUANTITIES = {"pressure": "p", "traction": "q", "slip": "slip", "c": "c", "dissipated_energy": "ΔW"}
+SOURCES = {  # of the error: keys of the settings that each comes from
+    "along the surface": ("mesh.facet", "mesh.growth", "mesh.edge_facet"),
+    "into the depth": ("mesh.first_layer", "mesh.layer_growth"),
+    "truncation": ("mesh.extent",),
+    "increments": ("solver.increments",),
+    "algebra": ("tolerance",),
+}
+FLOOR = 1e-9
+
+
+def draw(rows: list[dict], folder: Path) -> list[Path]:
+    """Write every figure that the rows suffice for, as PNG and SVG; the files written."""
+    rows = [row for row in rows if not row.get("failure")]
+    written = []
+    for name, figure in (("work_precision", work_precision), ("rates", rates), ("sources", sources), ("pareto", pareto)):
+        drawn = figure(rows)
+        if drawn is None:
+            continue
+        for ending in ("png", "svg"):
+            written.append(folder / f"{name}.{ending}")
+            drawn.savefig(written[-1], dpi=160)
+        plt.close(drawn)
+    return written
+
+
+def work_precision(rows):
+    """Error against seconds for each quantity, fineness by fineness."""
+    lines = {p: _sorted([r for r in rows if r["study"] in ("fineness", "peer") and r["problem"] == p], "cpu_s") for p in NAMES}
+    lines = {problem: line for problem, line in lines.items() if line}
+    if not lines:
+        return None
+    figure, axes = plt.subplots(1, len(QUANTITIES), figsize=(13, 3.6), sharey=True, layout="constrained")
+    for axis, (quantity, name) in zip(axes, QUANTITIES.items()):
+        for problem, line in lines.items():
+            points = [(row["cpu_s"], max(row[quantity], FLOOR)) for row in line if row.get(quantity, "") != ""]
+            if points:
+                style = {"color": COLOURS[problem], "marker": MARKERS[problem], "label": NAMES[problem]}
+                axis.loglog(*zip(*points), markersize=5, linewidth=1.2, **style)
+        axis.set(title=name, xlabel="CPU time [s]")
+        axis.grid(True, which="major", alpha=0.3)
+    axes[0].set_ylabel("relative error [-]")
+    handles, labels = max((axis.get_legend_handles_labels() for axis in axes), key=lambda pair: len(pair[0]))
+    figure.legend(handles, labels, loc="outside lower center", ncols=len(labels), frameon=False)
+    return figure
+
+
+def rates(rows):
+    """Pressure error against the facet at degrees 1 to 3; lines: the rates of the theory for a smooth pressure."""
+    found = [row for row in rows if row["study"] == "degree"]
+    if not found:
+        return None
+    problems = [problem for problem in NAMES if any(row["problem"] == problem for row in found)]
+    figure, axes = plt.subplots(1, len(problems), figsize=(3.3 * len(problems), 3.6), sharey=True, layout="constrained", squeeze=False)
+    for axis, problem in zip(axes[0], problems):
+        for degree, marker in (("1", "o"), ("2", "s"), ("3", "^")):
+            mine = [row for row in found if row["problem"] == problem and row["level"].startswith(degree)]
+            points = sorted((float(row["level"].partition(":")[2]), row["pressure"]) for row in mine)
+            if len(points) > 1:
+                h, error = map(np.array, zip(*points))
+                (line,) = axis.loglog(h, error, marker=marker, color=["#0072B2", "#D55E00", "#009E73"][int(degree) - 1], label=f"degree {degree}")
+                rate = np.polyfit(np.log(h), np.log(error), 1)[0]
+                axis.annotate(f"{rate:.1f}", (h[0], error[0]), textcoords="offset points", xytext=(-4, -12), color=line.get_color())
+                axis.loglog(h, error[-1] * (h / h[-1]) ** int(degree), ":", color=line.get_color(), linewidth=1)
+        axis.set(title=NAMES[problem], xlabel="facet / a [-]")
+        axis.grid(True, alpha=0.3)
+    axes[0][0].set_ylabel("relative error of p (L2) [-]")
+    axes[0][0].plot([], [], "k:", label="order = degree")
+    axes[0][0].legend(frameon=False, fontsize=8)
+    return figure
+
+
+def sources(rows):
+    """By how much the largest change of each setting towards the finer changes p, q, slip, c and ΔW of the default mesh."""
+    found = {(row["problem"], row["level"]): row for row in rows if row["study"] == "one at a time"}
+    problems = [problem for problem in NAMES if (problem, "centre") in found]
+    if not problems:
+        return None
+    figure, axes = plt.subplots(1, len(problems), figsize=(3.3 * len(problems), 3.8), sharey=True, layout="constrained", squeeze=False)
+    colours = ["#0072B2", "#56B4E9", "#009E73", "#D55E00", "#000000"]
+    for axis, problem in zip(axes[0], problems):
+        centre = found[problem, "centre"]
+        for number, (source, keys) in enumerate(SOURCES.items()):
+            finer = [_finest(found, problem, key) for key in keys]
+            heights = [max([abs(row[q] - centre[q]) for row in finer if row] + [FLOOR]) for q in QUANTITIES]
+            axis.bar(np.arange(len(heights)) + 0.16 * (number - 2), heights, 0.16, color=colours[number], label=source)
+        axis.plot(np.arange(len(QUANTITIES)), [centre[q] for q in QUANTITIES], "k_", markersize=26, label="error itself")
+        axis.set(title=NAMES[problem], yscale="log", ylim=(FLOOR, 1e-1))
+        axis.set_xticks(np.arange(len(QUANTITIES)), QUANTITIES.values())
+        axis.grid(True, axis="y", alpha=0.3)
+    axes[0][0].set_ylabel("change of the relative error [-]")
+    handles, labels = axes[0][0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=len(labels), frameon=False)
+    return figure
+
+
+def pareto(rows):
+    """Largest error against seconds: every case of one rank, and those that nothing beats in both."""
+    problems = [problem for problem in COLOURS if any(row["problem"] == problem for row in rows) and problem != "GetFEM"]
+    studies = ("fineness", "degree", "one at a time", "method", "peer")
+    if not problems:
+        return None
+    figure, axis = plt.subplots(figsize=(6.4, 4.4), layout="constrained")
+    for problem in problems:
+        mine = [row for row in rows if row["problem"] == problem and row["study"] in studies and row["ranks"] == 1]
+        points = sorted((row["cpu_s"], row["largest"]) for row in mine)
+        if points:
+            axis.loglog(*zip(*points), MARKERS[problem], color=COLOURS[problem], alpha=0.3, markersize=4)
+            front = [point for i, point in enumerate(points) if point[1] < min((p[1] for p in points[:i]), default=np.inf)]
+            axis.loglog(*zip(*front), MARKERS[problem] + "-", color=COLOURS[problem], label=NAMES[problem])
+    peer = [(row["cpu_s"], row["largest"]) for row in rows if row["problem"] == "GetFEM"]
+    if peer:
+        axis.loglog(*zip(*sorted(peer)), MARKERS["GetFEM"] + "--", color=COLOURS["GetFEM"], label=NAMES["GetFEM"])
+    axis.set(xlabel="CPU time of the whole loop [s]", ylabel="largest of the errors of p, q, slip, a, c, ΔW [-]")
+    axis.grid(True, alpha=0.3)
+    axis.legend(frameon=False)
+    return figure
+
+
+def _sorted(rows, key):
+    return sorted(rows, key=lambda row: row[key])
+
+
+def _finest(found, problem, key):
+    """The row of ``key``'s level that is furthest on the accurate side of the default, None if there is none."""
+    mine = [(float(level.partition("=")[2]), row) for (p, level), row in found.items() if p == problem and level.startswith(key + "=")]
+    if not mine:
+        return None
+    return (max if key in ("mesh.extent", "solver.increments") else min)(mine, key=lambda pair: pair[0])[1]

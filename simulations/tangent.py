@@ -1,0 +1,143 @@
+"""The dense Newton step of the condensed problem, on one rank:  (I + T R) df - T e ddelta = b,  sum df = b_load.
+
+T (sparse) is minus the derivative of the contact forces by the strip's displacements, R the response of the strip to contact
+forces and e its rigid translations. From one step to the next only rows of T change whose contact state does, so one matrix
+is inverted and every other is that one with some rows replaced (Woodbury). A node that opens (df = b) or slides (its traction
+is known from its pressure) has a row of one or two entries, and costs no product with R.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import lapack
+from scipy.sparse import csr_matrix
+
+from .response import Response
+
+FEW = 0.15  # share of rows that change otherwise before another matrix is inverted
+SAME = 1e-13  # relative: rows this close to proportional are
+
+
+@dataclass
+class Counts:
+    """What was done so far: matrices inverted; systems of replaced rows and their rows, those that needed R apart."""
+
+    inverses: int = 0
+    replacements: int = 0
+    rows: int = 0
+    products: int = 0
+
+
+class DenseTangent:
+    """Factorises and solves the step for tangents T of one sparsity pattern.
+
+    response: R; translations: (r, m), those of the m directions; sides: 2 for half of a problem.
+    """
+
+    def __init__(self, response: Response, translations: np.ndarray, sides: float):
+        self._response, self._translations = response, translations
+        self._rigid = translations.shape[1]
+        self._size = response.columns
+        n = self._size // self._rigid
+        self._sums = np.hstack([sides * np.kron(np.eye(self._rigid), np.ones(n)), np.zeros((self._rigid, self._rigid))])
+        self._base = None
+        self.counts = Counts()
+
+    def factorise(self, tangent: csr_matrix):
+        """Prepare ``solve`` for T (mn, r)."""
+        self._tangent = tangent
+        free, sliding, ratio = self._states(tangent)
+        if self._base is not None:
+            changed = np.logical_or.reduceat(tangent.data != self._base.data, tangent.indptr[:-1])
+            rest = changed & ~free & ~sliding
+            if np.count_nonzero(rest) <= FEW * self._size:
+                self._replace(np.flatnonzero(changed & free), np.flatnonzero(changed & sliding), ratio, rest)
+                return
+        self._invert(tangent, free)
+        none = np.array([], dtype=int)
+        self._replace(none, none, ratio, np.zeros(self._size, dtype=bool))
+
+    @property
+    def is_singular(self) -> bool:
+        """Whether ``factorise`` found the cylinder free to move."""
+        return bool(self._singular)
+
+    def solve(self, b: np.ndarray) -> np.ndarray:
+        """The step (mn + m,) for the right-hand side ``b``; nan where the tangent is singular."""
+        if self._singular:
+            return np.full_like(b, np.nan)
+        rows, right = self._rows, b.copy()
+        right[rows] = 0.0
+        if not len(rows):
+            return self._inverse @ right
+        wanted = b[rows] - self._ratio * b[self._pressing]
+        wanted -= self._new_rows(self._inverse @ right)
+        right[rows], _ = lapack.dgetrs(self._lu, self._pivots, wanted)
+        return self._inverse @ right
+
+    def multiply(self, x: np.ndarray) -> np.ndarray:
+        """J x."""
+        strip = self._response.apply(x[: self._size]) - self._translations @ x[self._size :]
+        return np.concatenate([x[: self._size] + self._tangent @ strip, self._sums @ x])
+
+    def _states(self, tangent):
+        """Rows (mn,) that do not answer, and rows that are their node's pressure's times a ratio, with the ratios."""
+        size = np.maximum.reduceat(np.abs(tangent.data), tangent.indptr[:-1])
+        free, sliding, ratio = size == 0.0, np.zeros(self._size, dtype=bool), np.zeros(self._size)
+        n = self._size // 2
+        along, into = np.split(tangent.data, [tangent.indptr[n]])
+        columns = np.split(tangent.indices, [tangent.indptr[n]])
+        if self._rigid == 2 and np.array_equal(*columns):
+            first, length = tangent.indptr[:n], np.diff(tangent.indptr[: n + 1])
+            norm = np.add.reduceat(into * into, first)
+            ratio[:n] = np.add.reduceat(along * into, first) / np.where(norm > 0, norm, 1.0)
+            defect = np.maximum.reduceat(np.abs(along - np.repeat(ratio[:n], length) * into), first)
+            sliding[:n] = ~free[:n] & (defect <= SAME * size[:n])
+        return free, sliding, ratio
+
+    def _full_rows(self, tangent, rows):
+        """Rows of J (g, mn + m)."""
+        chosen = tangent[rows]
+        full = np.hstack([self._response.times(chosen), -(chosen @ self._translations)])
+        full[np.arange(len(rows)), rows] += 1.0
+        self.counts.products += len(rows)
+        return full
+
+    def _invert(self, tangent, free):
+        """Make ``tangent`` the base: an open node's row is that of the identity and stays out of the factorisation."""
+        active = np.append(~free, np.ones(self._rigid, bool))
+        matrix = np.vstack([self._full_rows(tangent, np.flatnonzero(~free)), self._sums])
+        right = np.eye(len(active))[active]
+        right[:, ~active] = -matrix[:, ~active]
+        *_, solution, self._base_singular = lapack.dgesv(matrix[:, active], right)
+        self._inverse = np.eye(len(active))
+        self._inverse[active] = solution
+        self._base = None if self._base_singular else tangent
+        self.counts.inverses += 1
+
+    def _replace(self, free, sliding, ratio, rest):
+        """Factorise the system that the changed rows' right-hand sides satisfy."""
+        rest = np.flatnonzero(rest)
+        self._rows = np.concatenate([free, sliding, rest])
+        self._ratio = np.concatenate([np.zeros(len(free)), ratio[sliding], np.zeros(len(rest))])
+        self._pressing = self._rows.copy()
+        self._pressing[len(free) : len(free) + len(sliding)] += self._size // 2
+        self._rest = self._full_rows(self._tangent, rest) if len(rest) else np.zeros((0, len(self._inverse)))
+        self._singular = self._base_singular
+        if len(self._rows):
+            inverse, rows, few = self._inverse, self._rows, len(free) + len(sliding)
+            matrix = np.empty((len(rows), len(rows)), order="F")
+            matrix[:few] = inverse[np.ix_(rows[:few], rows)]
+            matrix[len(free) : few] -= ratio[sliding, None] * inverse[np.ix_(sliding + self._size // 2, rows)]
+            if len(rest):
+                matrix[few:] = self._rest @ inverse[:, rows]
+            self._lu, self._pivots, singular = lapack.dgetrf(matrix, overwrite_a=True)
+            self._singular = self._singular or bool(singular)
+            self.counts.replacements += 1
+            self.counts.rows += len(rows)
+
+    def _new_rows(self, x):
+        """The replaced rows of J times ``x``; a sliding one less its ratio times that of the pressure."""
+        few = len(self._rows) - len(self._rest)
+        images = x[self._rows[:few]] - self._ratio[:few] * x[self._pressing[:few]]
+        return np.concatenate([images, self._rest @ x])

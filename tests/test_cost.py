@@ -1,0 +1,104 @@
+"""What a loop costs, counted: factorisations of the bulk, inverses and products of the dense step. Seconds are in docs/cost.md."""
+
+import numpy as np
+import pytest
+from solving import coarse_simulation, solved
+
+from simulations import schur
+from simulations.mesh import Grading
+from simulations.mirror import parts
+from simulations.scene import DEFAULT_SCENE
+
+
+def factorisations(work):
+    before = schur.factorisations
+    result = work()
+    return schur.factorisations - before, result
+
+
+def test_a_loop_factorises_each_half_once():
+    count, simulation = factorisations(lambda: solved(solver__increments=10))
+    assert len(simulation.history.entries) == 51
+    assert count == 2
+    halves = parts(simulation.body)
+    assert [half.is_half for half in halves] == [True, True]
+    assert sum(len(half.dofs) for half in halves) == simulation.body.unknowns
+
+
+def test_a_mesh_without_mirror_is_solved_whole():
+    """The same loop on a mesh whose left half is another than its right: no halves, nearly the same numbers."""
+    grading = coarse_simulation().cells
+    lopsided = Grading(
+        tuple(e if e > 0 else 1.03 * e for e in grading.edges),
+        grading.facet,
+        grading.edge_facet,
+        grading.growth,
+        grading.first_layer,
+        grading.layer_growth,
+        grading.extent,
+    )
+    count, simulation = factorisations(lambda: solved(cells=lopsided))
+    assert count == 1
+    assert [half.is_half for half in parts(simulation.body)] == [False]
+    energy = solved().history.dissipated_energy
+    assert simulation.history.dissipated_energy == pytest.approx(energy, rel=2e-2)
+
+
+@pytest.mark.parametrize("k", [0.3, -0.5])
+def test_responses_solve_the_whole_body(k):
+    """A force on one side and its response, recovered in the whole body, leave no residual in the stiffness."""
+    simulation = coarse_simulation(solid__k=k, solid__nu=0.3)
+    body, compliance = simulation.body, simulation._compliance
+    response = compliance.response((0, 1))
+    forces = np.zeros(2 * compliance.n)
+    forces[[3, compliance.n + 5]] = 1.0, -2.0
+    compliance.body.set_far_field((0.0, 0.0))
+    compliance.put(response.apply(forces))
+    compliance.recover()
+    residual = body.stiffness.createVecLeft()
+    body.stiffness.mult(body.state.x.petsc_vec, residual)
+    residual.array[body.fixed_dofs] = 0.0
+    residual.array[compliance._surface_dofs.T.ravel()] -= forces
+    assert np.abs(residual.array).max() < 1e-9 * 2.0
+
+
+def test_dense_steps_reuse_what_they_know():
+    """One inverse serves a stage; only rows that neither opened nor slid are multiplied with the response again."""
+    simulation = solved(solver__increments=6)
+    counts = simulation.solver._newton.system.dense.counts
+    iterations = sum(entry.iterations for entry in simulation.history.entries)
+    n = simulation.sampler.x.size
+    assert counts.inverses <= 2
+    assert counts.products < 4 * counts.inverses * n
+    assert counts.rows < 0.5 * iterations * 2 * n
+
+
+def test_a_further_loop_takes_the_body_over():
+    """Other friction, amplitude, load and cylinder on the same solid: no factorisation, the numbers of a run of its own."""
+    other = DEFAULT_SCENE.replace("mu = 0.3", "mu = 0.5").replace("R = 0.1", "R = 0.2").replace("0.9 ", "0.6 ")
+    first = solved()
+    alone = coarse_simulation(other.replace("y0_over_a0 = 10.0", f"y0 = {first.scene['solid.y0']!r}"), cells=first.cells)
+    for _ in alone.run():
+        pass
+
+    def again():
+        simulation = coarse_simulation(
+            other.replace("y0_over_a0 = 10.0", f"y0 = {first.scene['solid.y0']!r}"), like=first
+        )
+        for _ in simulation.run():
+            pass
+        return simulation
+
+    count, further = factorisations(again)
+    assert count == 0
+    assert further.body is first.body
+    assert further.history.dissipated_energy == pytest.approx(alone.history.dissipated_energy, rel=1e-9)
+    for one, own in zip(further.history.entries, alone.history.entries, strict=True):
+        scale = own.surface.pressure.max()
+        assert one.surface.traction == pytest.approx(own.surface.traction, abs=1e-8 * scale)
+
+
+def test_another_solid_is_refused():
+    first = coarse_simulation()
+    with pytest.raises(ValueError, match="another solid"):
+        coarse_simulation(solid__nu=0.2, like=first)
