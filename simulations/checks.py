@@ -32,7 +32,7 @@ class Check:
 def check(history: History, height: Callable, coupled: bool = True) -> dict[str, Check]:
     """Checks of a run that ended. height: the indenter's f(x), in the history's units.
 
-    coupled: False where the traction is not to move the surface up and down, so that the gap is that of the normal stage.
+    coupled: False where the traction does not move the surface up and down: the gap is that of the normal stage.
     """
     entries = history.entries
     with_gap = [entry for entry in entries if coupled or entry.increment.branch == "normal"]
@@ -50,9 +50,14 @@ def check(history: History, height: Callable, coupled: bool = True) -> dict[str,
         mu, loaded = history.mu, [entry for entry in entries if np.any(entry.surface.traction)]
         pairs = [(a.surface, b.surface) for a, b in zip(entries, entries[1:]) if np.any(b.surface.traction)]
         checks |= {
-            "|q| <= mu p": Check(max((excess(e.surface, mu) for e in loaded), default=0.0), 10 * max(tolerance, AT_LIMIT)),
+            "|q| <= mu p": Check(
+                max((excess(e.surface, mu) for e in loaded), default=0.0), 10 * max(tolerance, AT_LIMIT)
+            ),
             "slip against q": Check(max((wrong_slip(a, b, mu) for a, b in pairs), default=0.0), WRONG_SLIP),
-            "traction wiggles": Check(max((wiggles(e.surface.traction, mu * np.ptp(e.surface.pressure)) for e in loaded), default=0.0), WIGGLES),
+            "traction wiggles": Check(
+                max((wiggles(e.surface.traction, mu * np.ptp(e.surface.pressure)) for e in loaded), default=0.0),
+                WIGGLES,
+            ),
         }
     return checks
 
@@ -90,7 +95,7 @@ def excess(surface: SurfaceState, mu: float) -> float:
 
 
 def wrong_slip(before: SurfaceState, after: SurfaceState, mu: float) -> float:
-    """Work that sliding points gain from friction in an increment over that which they lose.
+    """Work that sliding points gain from friction in an increment, over what all would lose sliding like the fastest.
 
     A point sliding by less than Nitsche's method moves one that sticks may go the wrong way.
     """
@@ -98,8 +103,8 @@ def wrong_slip(before: SurfaceState, after: SurfaceState, mu: float) -> float:
     sliding = np.abs(after.traction) >= limit - AT_LIMIT * limit.max()
     moved = after.relative_displacement - before.relative_displacement
     work = np.where(sliding & (after.pressure > 0), -after.weight * after.traction * moved, 0.0)
-    lost = work[work > 0].sum()
-    return float(-work[work < 0].sum() / lost) if lost > 0 else 0.0
+    most = after.line_load(limit) * np.abs(moved[after.pressure > 0]).max()
+    return float(-work[work < 0].sum() / most) if most > 0 else 0.0
 
 
 def wiggles(values, scale: float = 0.0) -> float:
@@ -116,10 +121,12 @@ def wiggles(values, scale: float = 0.0) -> float:
 
 
 def drift(history: History) -> float:
-    """Largest change of p and q from the end of one cycle to that of the next, the first left out, over the largest p."""
+    """Largest change of p and q from the end of one cycle to that of the next, over the largest p."""
     ends = [e for e in history.entries if e.increment.state == "A" and e.increment.cycle > 0]
     changes = [
-        max(np.abs(b.surface.pressure - a.surface.pressure).max(), np.abs(b.surface.traction - a.surface.traction).max())
+        max(
+            np.abs(b.surface.pressure - a.surface.pressure).max(), np.abs(b.surface.traction - a.surface.traction).max()
+        )
         for a, b in zip(ends, ends[1:])
     ]
     return float(max(changes, default=0.0) / ends[-1].surface.pressure.max())
@@ -132,7 +139,7 @@ def still_changing(history: History) -> int:
 
 OPEN = 1e-3  # an open point is held by its traction, which is not quite zero
 WRONG_SLIP = 1e-4  # measured below 1e-6
-WIGGLES = 0.1  # of the range, like the error of the steep ends that is allowed (limits.py); smooth loops have less than 0.01
+WIGGLES = 0.05  # of the range; loops at k = 0.3 have less than 0.003, the coupled one at k = -0.5 on coarse facets 0.04
 MEASURES = {
     "load balance": imbalance,
     "p >= 0": tension,

@@ -41,7 +41,8 @@ def check_size(scene: Scene, cells: Grading, columns: int, layers: int):
     keys = "mesh.facet, mesh.edge_facet, mesh.growth, mesh.first_layer, mesh.layer_growth, mesh.extent"
     if unknowns > MOST_UNKNOWNS:
         raise SceneError(
-            f"the mesh is too fine: {columns} x {layers} cells are {unknowns:.2g} unknowns, the limit is {MOST_UNKNOWNS:.0e} ({keys})"
+            f"the mesh is too fine: {columns} x {layers} cells are {unknowns:.2g} unknowns, the limit is "
+            f"{MOST_UNKNOWNS:.0e} ({keys})"
         )
     if scene["solver.method"] == "condensed":
         nodes = 2 * min(columns, 2 * cells.strip / min(cells.facet, cells.edge_facet))
@@ -72,13 +73,13 @@ def check_resolution(scene: Scene, cells: Grading, loop: FrettingLoop | None):
     needed = (STEEPEST * (1 + scene.k) / 0.1) ** (1 / (1 + scene.k / 2))
     if size > needed:
         raise SceneError(
-            f"mesh.{name} = {size:g} is too coarse for k = {scene.k:g}: the tractions end so steeply that they would be off by "
-            f"about {expected_error(scene.k, size):.0%}; {_digit(needed):g} or less keeps that below {STEEPEST:.0%}"
+            f"mesh.{name} = {size:g} is too coarse for k = {scene.k:g}: the tractions end so steeply that they would "
+            f"be off by about {expected_error(scene.k, size):.0%}; {_digit(needed):g} or less keeps that below {STEEPEST:.0%}"
         )
 
 
 def expected_error(k: float, size: float) -> float:
-    """Relative L2 error of a traction that ends like distance^((1+k)/2) on cells of ``size`` a at its ends, from above.
+    """Relative L2 error of a traction that ends like distance^((1+k)/2) on cells of ``size`` a, to a factor of two.
 
     The distance's power leaves size^(1 + k/2); the factor is fitted to loops from k = -0.9 to 0.
     """
@@ -94,8 +95,9 @@ def check_round_off(scene: Scene, cells: Grading, problem: ContactProblem):
     if attainable > ATTAINABLE:
         thicker = cells.first_layer * (attainable / ATTAINABLE) ** (1 / (1 - min(scene.k, 0.0)))
         raise SceneError(
-            f"mesh.first_layer = {cells.first_layer:g} is too thin for k = {scene.k:g} and gamma0 = {scene['solver.gamma0']:g}: round-off "
-            f"would leave forces of {attainable:.0e} P unbalanced ({FORCE_TOLERANCE:.0e} is the aim); {_digit(thicker, up=True):g} or more would do"
+            f"mesh.first_layer = {cells.first_layer:g} is too thin for k = {scene.k:g} and solver.gamma0 = "
+            f"{scene['solver.gamma0']:g}: round-off would leave forces of {attainable:.0e} P unbalanced "
+            f"({FORCE_TOLERANCE:.0e} is the aim); {_digit(thicker, up=True):g} or more would do"
         )
 
 

@@ -173,13 +173,14 @@ class ContactProblem:
         return self.contact_forces()[:, direction]
 
     def contact_states(self) -> np.ndarray:
-        """0 open, 2 closed or sticking, 3 and 1 sliding along +x and -x: at the surface points of this rank's cells, (m,)."""
+        """At the surface points of this rank's cells (m,): 0 open, 2 closed or sticking, 3 and 1 sliding along +x, -x."""
         self._interpolate(self._state_values, self._contact_state)
         return self._state_values.x.array[self._surface_points]
 
     def round_off(self) -> float:
         """Norm of the contact forces that the last digits of the present displacement make: no residual gets below."""
-        size = max(np.abs(self.body.state.x.array[self._surface_dofs]).max(initial=0.0), np.abs(self.body.delta.value).max())
+        u = self.body.state.x.array[self._surface_dofs]
+        size = max(np.abs(u).max(initial=0.0), np.abs(self.body.delta.value).max())
         return self.force_per_digit * self.body.mesh.comm.allreduce(size, MPI.MAX)
 
     def tributary_lengths(self) -> np.ndarray:

@@ -1,7 +1,8 @@
 """Solve the hard cases one after the other and lay out how each ended:  python -m simulations.stability [--output DIR].
 
-The cases are data (stability.toml); each differs from one coarse base scene. Every case leaves a file of its own, so that
-a run that was stopped goes on where it was; under mpirun the ranks share the cases.
+The cases are data (stability.toml); each differs from one coarse base scene. Every case leaves a file of its own, so
+that a run that was stopped goes on where it was; under mpirun the ranks share the cases. After a change of the code use
+another folder: a case is solved again only where its values changed.
 """
 
 import argparse
@@ -47,7 +48,9 @@ def read_cases(only: list[str] = ()) -> dict[str, dict]:
         names = list(study.get("keys", ()))
         product = itertools.product(*(study["keys"][name] for name in names)) if names else ()
         for changes in [dict(zip(names, values)) for values in product] + study.get("each", []):
-            shown = ", ".join(f"{key.partition('.')[2]} {value}" for key, value in changes.items() if not isinstance(value, list))
+            shown = ", ".join(
+                f"{key.partition('.')[2]} {value}" for key, value in changes.items() if not isinstance(value, list)
+            )
             cases[f"{study['name']}: {shown}"] = base | changes
     if not cases:
         raise SceneError(f"--only {' '.join(only)} is not allowed: {', '.join(s['name'] for s in document['study'])}")
@@ -129,7 +132,10 @@ def main(arguments: list[str]):
             continue
         row = {"name": name, "values": _plain(values)} | solve(values)
         write_text(files[name], json.dumps(row))
-        print(f"{number + 1:4d}/{len(cases)}  {row['outcome']:10s} {row['seconds']:6.1f} s  {name}  {row['why']}"[:230], flush=True)
+        print(
+            f"{number + 1:4d}/{len(cases)}  {row['outcome']:10s} {row['seconds']:6.1f} s  {name}  {row['why']}"[:230],
+            flush=True,
+        )
     comm.Barrier()
     if comm.rank == 0:
         rows = [_read(file) for file in files.values()]
@@ -137,7 +143,10 @@ def main(arguments: list[str]):
         write_text(request.output / "stability.md", table(rows))
         picture(request.output / "stability.png", rows)
     comm.Barrier()
-    say(summary([_read(file) for file in files.values()]) + f"\nwritten to {request.output}: stability.csv, stability.md, stability.png")
+    say(
+        summary([_read(file) for file in files.values()])
+        + f"\nwritten to {request.output}: stability.csv, stability.md, stability.png"
+    )
 
 
 def _request(arguments):

@@ -168,7 +168,7 @@ def test_failed_solve_keeps_what_it_had(tmp_path, monkeypatch):
     monkeypatch.setattr(LoadProgramme, "_guarded", LoadProgramme._fixed_point)
     mesh = {"mesh__facet": 0.05, "mesh__growth": 1.5, "mesh__edge_facet": 4e-3, "mesh__first_layer": 4e-3}
     hard = mesh | {"mesh__layer_growth": 1.5, "solver__increments": 6, "solid__k": -0.5, "solid__nu": 0.3}
-    with pytest.raises(SolveError, match="too many iterations"):
+    with pytest.raises(SolveError, match="Newton cycles"):
         fretting.main(coarse_arguments(tmp_path, **hard))
     summary = json.loads((tmp_path / "summary.json").read_text())
     assert summary["converged"] is False and summary["increments"] >= 2
