@@ -152,7 +152,9 @@ class Newton:
         self._scale, self._norms, self._tolerance = 1.0, (np.inf, np.inf), FORCE_TOLERANCE
         self.confirms = False  # one more iteration after the last, to see whether contact states still change
         self.holds = False  # whether a step from where every point slides is taken with all of them sticking
-        self._predict, self._states, self._changes, self._seen, self._was_singular = None, None, [], {}, False
+        self._predict, self._states, self._was_singular = None, None, False
+        self._changes: list[int] = []
+        self._seen: dict[bytes, int] = {}
         self.after_linearise = lambda: None  # called with the fields at the iterate
 
     def solve(self, load, predict=None) -> NewtonResult:

@@ -56,7 +56,9 @@ class ContactProblem:
         traction = body.traction(u, pi)
         tractions = {}
         if Y in directions:
-            profile = fem.Function(fem.functionspace(body.mesh, ("Lagrange", body.degree)))  # the terms live at its nodes
+            profile = fem.Function(
+                fem.functionspace(body.mesh, ("Lagrange", body.degree))
+            )  # the terms live at its nodes
             profile.interpolate(lambda x: height(x[0]))
             gap = contact.gap(u, profile, body.delta)
             pressure = tractions[Y] = contact.contact_pressure(traction, gap, gamma)

@@ -138,7 +138,7 @@ def main(arguments: list[str]):
         )
     comm.Barrier()
     if comm.rank == 0:
-        rows = [_read(file) for file in files.values()]
+        rows = [row for row in map(_read, files.values()) if row is not None]
         _write_csv(request.output / "stability.csv", rows)
         write_text(request.output / "stability.md", table(rows))
         picture(request.output / "stability.png", rows)

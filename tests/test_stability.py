@@ -5,7 +5,7 @@ import json
 
 import numpy as np
 import pytest
-from conftest import coarse_arguments, coarse_overrides, run_command
+from conftest import coarse_arguments, run_command
 from solving import coarse_simulation, solved
 
 from simulations import body, checks, effects, newton, stability
@@ -13,8 +13,8 @@ from simulations.condensed import CondensedSystem
 from simulations.energy import EnergyMeter, worst_defect
 from simulations.language import SceneError
 from simulations.limits import expected_error
-from simulations.programme import LoadProgramme, SolveError
-from simulations.stability_report import FAILED, GREEN, REFUSED, WRONG
+from simulations.programme import SolveError
+from simulations.stability_report import GREEN, WRONG
 
 UNCOUPLED = {"effects__coupling": "false", "solid__nu": 0.3}
 
