@@ -7,6 +7,7 @@ Numbers in brackets are the equations of Heß, Giesa, Riechert, Wilhayn, Appl. S
 from .abel import PunchSuperposition
 from .checks import UndefinedDisplacementError
 from .cylinder import CylinderContact
+from .edge_estimate import contact_edges
 from .fretting import FrettingLoop
 from .half_plane import HalfPlaneContact
 from .layered_kernel import LayeredKernel
@@ -34,6 +35,7 @@ __all__ = [
     "PunchSuperposition",
     "UndefinedDisplacementError",
     "UniformShift",
+    "contact_edges",
     "from_displacement",
     "from_traction",
     "point_force_displacement",

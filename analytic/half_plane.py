@@ -13,9 +13,10 @@ from math import exp, log
 import numpy as np
 from scipy.optimize import brentq
 
-from .half_plane_increment import ContactNotConverged, ContactSets, Increment
+from .half_plane_increment import Increment
 from .half_plane_interpolation import integral, interpolated
 from .half_plane_layout import Layout, first_distance
+from .half_plane_linear import ContactNotConverged, ContactSets
 from .half_plane_operator import element_moments, nodal_moments
 from .half_plane_state import ContactState, Memory, StoredField
 from .material import GradedHalfPlane
@@ -24,15 +25,20 @@ from .surface_kernel import PowerLawKernel, SurfaceKernel
 COARSE_MARGIN, MARGIN = 0.1, 0.01  # nodes beyond the contact over its width: while the edges are sought, and then
 SOUGHT = 2e-3  # motion of the edges over the width of the contact below which all nodes are used,
 SETTLED = 0.3  # and below which they rest, over the distance from an edge to its first few nodes
-PATIENCE = 5  # passes with all nodes after which edges rest that move less than SOUGHT: a stick zone of few nodes
+SLOW = 0.5  # ratio of successive motions above which edges are thought to go to and fro, and move half way only
+PATIENCE = 5  # passes with half of the nodes; twice as many with all, and then edges rest that move less than SOUGHT
 PASSES = 20
+UNSETTLED = 0.02  # motion of the edges of contact over its width that is never borne with
+FLOOR = 1e-100  # of a ratio whose logarithm is taken
+HALVINGS = 4  # of an increment, one after the other
 
 
 @dataclass(frozen=True)
 class HalfPlaneContact:
     """Rigid profile f(x) under loads P and Q on a half-plane, f + u_y - delta_y >= 0, |q| <= mu p.
 
-    solid: a GradedHalfPlane or any SurfaceKernel. profile: has ``height(x)`` [length], convex with its tip at x = 0.
+    solid: a GradedHalfPlane or any SurfaceKernel. profile: has ``height(x)`` [length], convex with its tip at x = 0,
+    and if need be ``flat`` and ``order`` like a Profile or PowerProfile, which tell where it is not smooth.
     mu: friction coefficient. coupling: False leaves out the coupling kernel, the approximation of the closed forms.
     friction_in_normal_stage: whether friction acts from first contact, or only after the leading loads with Q = 0.
     nodes: their number at every increment; half of them while the edges are sought.
@@ -66,39 +72,68 @@ class HalfPlaneContact:
             if memory is None:
                 if Q != 0:
                     raise ValueError(f"Q = {Q!r} at first contact: the first load has Q = 0")
-                memory = Memory(None, Layout.first(self._guessed_half_width(P)))
+                memory = Memory(None, Layout.first(self._guessed_half_width(P), self._corners))
             normal_stage = normal_stage and Q == 0
-            memory = self._advance(memory, P, Q, normal_stage)
+            memory = self._reached(memory, P, Q, normal_stage)
             yield memory.state
+
+    def _reached(self, memory, P, Q, normal_stage, halvings=HALVINGS):
+        """Memory of the load (P, Q), reached in two halves should one step fail."""
+        try:
+            return self._advance(memory, P, Q, normal_stage)
+        except ContactNotConverged:
+            if not halvings:
+                raise
+        before = (memory.state.P, memory.state.Q) if memory.state else (0.0, 0.0)
+        half = self._reached(memory, (before[0] + P) / 2, (before[1] + Q) / 2, normal_stage, halvings - 1)
+        return self._reached(half, P, Q, normal_stage, halvings - 1)
 
     def _advance(self, memory, P, Q, normal_stage):
         """Solves on nodes that follow the edges until these rest: with half of the nodes first, then with all."""
         k = self.kernel.k
         mu = self.mu if self.friction_in_normal_stage or not normal_stage else 0.0
         layout, old_edges = memory.layout, memory.edges_left_behind(Q)
-        fine, solution, iterations = 0, None, 0
+        fine, solution, iterations, motion = 0, None, 0, np.inf
         settled = SETTLED * first_distance(self.nodes, k)
-        for _ in range(PASSES):
-            margin = layout.width * (MARGIN if fine else COARSE_MARGIN)
-            reached = True
-            while reached:
-                x = layout.nodes(self.nodes if fine else self.nodes // 2, margin, k)
-                operator = layout.operator(self.kernel, x, fine > 0, self.coupling)
-                increment = Increment(operator, self.profile.height(x), memory.position(x), mu, P, Q)
-                solution = increment.solve(_initial_sets(x, layout, solution))
-                iterations += solution.iterations
-                reached = solution.sets.closed[[0, -1]].any()
-                margin = 2 * margin + 0.5 * layout.width
+        for number in range(PASSES):
+            operator, solution = self._solved(layout, fine > 0, fine > 0, memory, mu, P, Q, solution)
+            iterations += solution.iterations
             new = layout.of(solution, mu, k, old_edges)
-            motion = new.distance(layout)
-            fine += fine > 0 or motion < SOUGHT
-            if fine > 1 and motion < (SOUGHT if fine > PATIENCE else settled):
+            last_motion, motion = motion, new.distance(layout)
+            if fine and motion < (SOUGHT if fine > 2 * PATIENCE else settled):
                 return self._remember(memory, new, operator, solution, P, Q, normal_stage, motion, iterations)
-            layout = new
-        raise ContactNotConverged(
-            f"P = {P:g}, Q = {Q:g}: after {PASSES} passes the edges of contact and stick still move "
-            f"by {motion:.1e} of the width of the contact"
-        )
+            fine += fine > 0 or motion < SOUGHT or number >= PATIENCE
+            layout = layout.halfway(new) if motion > SLOW * last_motion else new
+        # Some edge goes to and fro between nodes: straight lines do not ask where it is.
+        layout = layout.with_edges_of(new)
+        operator, solution = self._solved(layout, True, False, memory, mu, P, Q, solution)
+        new = layout.of(solution, mu, k, old_edges)
+        if (motion := new.distance_of_contact(layout)) > UNSETTLED:
+            raise ContactNotConverged(
+                f"P = {P:g}, Q = {Q:g}: after {PASSES} passes the edges of contact still move "
+                f"by {motion:.1e} of the width of the contact"
+            )
+        motion = new.distance(layout)
+        return self._remember(memory, new, operator, solution, P, Q, normal_stage, motion, iterations)
+
+    def _solved(self, layout, fine, adapted, memory, mu, P, Q, previous):
+        """Operator and solution on the nodes of ``layout``, more of them should the contact reach the last."""
+        margin = layout.width * (MARGIN if fine else COARSE_MARGIN)
+        while True:
+            x = layout.nodes(self.nodes if fine else self.nodes // 2, margin, self.kernel.k)
+            operator = layout.operator(self.kernel, x, adapted, self.coupling)
+            height = self._height(x)
+            if not np.isfinite(height).all():
+                beyond = x[~np.isfinite(height)][0]
+                raise ValueError(
+                    f"P = {P:g}, Q = {Q:g}: the profile has no height at x = {beyond:g}, just outside "
+                    f"the contact between {layout.contact[0]:g} and {layout.contact[1]:g}"
+                )
+            increment = Increment(operator, height, memory.position(x), mu, P, Q)
+            previous = increment.solve(_initial_sets(x, layout, previous))
+            if not previous.sets.closed[[0, -1]].any():
+                return operator, previous
+            margin += 0.1 * layout.width
 
     def _remember(self, memory, layout, operator, solution, P, Q, normal_stage, motion, iterations):
         x = operator.nodes
@@ -125,6 +160,7 @@ class HalfPlaneContact:
             Q,
             x,
             operator.weight,
+            operator.weight_q,
             solution.pressure,
             solution.traction,
             slip,
@@ -142,20 +178,34 @@ class HalfPlaneContact:
         moved = np.sign(Q - memory.state.Q) if memory.state else 0.0
         return Memory(state, layout, slip_field, reference, pressure, moved or memory.direction)
 
+    @property
+    def _corners(self):
+        """Where the profile is not smooth [length]: at the ends of its flat, or at a tip sharper than a parabola."""
+        flat = getattr(self.profile, "flat", 0.0)
+        return [-flat, flat] if flat else [0.0] * (getattr(self.profile, "order", 2.0) < 2)
+
+    def _height(self, x):
+        with np.errstate(invalid="ignore", over="ignore"):  # beyond the end of an arc, say
+            return self.profile.height(x)
+
     def _guessed_half_width(self, P):
         """Length l over which the load P makes a displacement of the order of the indenter's height f(l)."""
+        flat = getattr(self.profile, "flat", 0.0)
 
-        def excess(log_length):
-            length = exp(log_length)
+        def excess(log_width):
+            length = flat + exp(log_width)
             near, far = self.kernel.values(np.array([length / 2, length]))[0]
-            return log(self.profile.height(length) / (P * (near - far)))
+            height = float(self._height(length))
+            if not np.isfinite(height):  # beyond the indenter's end
+                return log(1 / FLOOR)
+            return log(max(height / (P * (near - far)), FLOOR))
 
-        low = high = 0.0
+        low = high = log(flat) if flat else 0.0
         while excess(low) > 0:
             low -= 5
         while excess(high) < 0:
             high += 5
-        return exp(brentq(excess, low, high))
+        return flat + exp(brentq(excess, low, high))
 
 
 def _initial_sets(x, layout, previous):

@@ -6,7 +6,8 @@ BISECTIONS = 60
 
 
 def graded_nodes(left, right, edges, density, count, smallest, order):
-    """``count`` nodes from ``left`` to ``right``, gathered at ``edges`` down to about ``smallest`` [length].
+    """``count`` nodes from ``left`` to ``right``, gathered at ``edges`` down to about ``smallest`` [length],
+    a number, or one for each edge.
 
     The spacing grows like distance^(1-1/order). Linear interpolation of distance^p has its best rate, the
     square of the spacing in the mean, for order > 2/(p + 1/2).

@@ -15,9 +15,10 @@ from .half_plane_layout import Layout
 class ContactState:
     """Result of one increment; arrays are values at the nodes x, in increasing order.
 
-    P, Q: loads [stress x length]; x, weight: nodes and quadrature weights [length], with which the tractions sum up to
-    the loads; pressure, traction [stress]; slip: u_x - delta_x since the end of the normal stage [length], also where
-    there is no contact; gap [length]; contact, stick: left and right edge [length], stick nan without friction;
+    P, Q: loads [stress x length]; x: nodes [length]; weight, weight_q: quadrature weights [length] with which pressure
+    and traction sum up to the loads, the same up to the error of interpolation; pressure, traction [stress];
+    slip: u_x - delta_x since the end of the normal stage [length], also where there is no contact; gap [length];
+    contact, stick: left and right edge [length], stick nan without friction;
     stick_zones: all of them, shape (n, 2); dissipated_energy: frictional work since first contact [stress x length²];
     delta_x, delta_y: displacements of the indenter [length], for k <= 0 up to a constant times the loads;
     edge_motion: between the last two sets of nodes, over the width of the contact; iterations: linear solves.
@@ -27,6 +28,7 @@ class ContactState:
     Q: float
     x: np.ndarray
     weight: np.ndarray
+    weight_q: np.ndarray
     pressure: np.ndarray
     traction: np.ndarray
     slip: np.ndarray

@@ -7,6 +7,7 @@ none waits for another.
 
 import argparse
 import difflib
+import json
 import os
 import signal
 import sys
@@ -66,6 +67,7 @@ def read_request(arguments: list[str], program: str, description: str | None, de
     parser.add_argument("scene", nargs="?", type=Path, help="scene file (TOML); without one, the default scene")
     parser.add_argument("--output", type=Path, metavar="DIR", help="folder for results (default: results/SCENE)")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="change a key of the scene")
+    parser.add_argument("--reference", metavar="KIND", help="what to compare with: auto, closed form, half-plane, none")
     parser.add_argument("--explain", action="store_true", help="say which effects are on, and stop")
     parser.add_argument("--resume", type=Path, metavar="DIR", help="go on with the run that was stopped in DIR")
     parser.add_argument("--quiet", action="store_true", help="say nothing but warnings and errors")
@@ -73,13 +75,15 @@ def read_request(arguments: list[str], program: str, description: str | None, de
     own, petsc = _split_petsc(arguments, [name for action in parser._actions for name in action.option_strings])
     given = parser.parse_args(own)
     if given.resume is not None:
-        if given.scene is not None or given.set or given.output is not None or given.explain:
-            raise SceneError("--resume takes no scene, --output, --set or --explain: its folder has the scene")
+        if given.scene or given.set or given.output is not None or given.explain or given.reference:
+            others = "scene, --output, --set, --reference or --explain"
+            raise SceneError(f"--resume takes no {others}: its folder has the scene")
         saved = checkpoint.load(given.resume)
         folder = given.resume if saved.complete else writable(given.resume, "--resume")
         return Request(saved.scene, folder, petsc, False, given.quiet, saved)
     text = default if given.scene is None else _read(given.scene)
-    scene = parse(text, tuple(given.set))
+    reference = [] if given.reference is None else [f"reference.kind={json.dumps(given.reference)}"]
+    scene = parse(text, (*given.set, *reference))
     name = program.rpartition(".")[2] if given.scene is None else given.scene.stem
     output = Path("results") / name if given.output is None else given.output
     return Request(scene, output if given.explain else writable(output), petsc, given.explain, given.quiet)

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from analytic import FrettingLoop, HalfPlaneContact
-from analytic.half_plane_increment import ContactNotConverged
+from analytic import FrettingLoop, HalfPlaneContact, contact_edges
+from analytic.half_plane_linear import ContactNotConverged
 
 from .effects import Effects
 from .scaling import Scaled
@@ -32,17 +32,26 @@ def expected_edges(
 ) -> tuple[float, ...]:
     """Positions > 0 of edges, from the closed form or, where it is another problem, from a rough half-plane solution.
 
-    loads: (P, Q) at which states matter, the first with Q = 0.
+    loads: (P, Q) of the programme, the first with Q = 0.
     """
     if scene.has_closed_form:
         return (scaled.contact.a,) if loop is None else (loop.c, scaled.contact.a)
     try:
-        states = half_plane_solver(scene, scaled, effects, NODES).run(loads)
+        edges = _rough_edges(scene, scaled, effects, loads)
     except (ContactNotConverged, ValueError):  # no reason to stop: the mesh is only less well graded
         return (1.0,) if scaled.contact is None else tuple({1.0, scaled.contact.a})
-    ends = states[-1:] if scene.is_loop else states[::-1]  # of a loop where it turns
-    edges = np.abs([edge for state in ends for edge in (*state.contact, *state.stick)])
-    return distinct(edges[np.isfinite(edges)], APART)[:MOST]
+    return distinct(np.abs(edges[np.isfinite(edges)]), APART)[:MOST]
+
+
+def _rough_edges(scene, scaled, effects, loads):
+    """Edges of contact and stick, (n,): of a loop where it turns, of other programmes at every load, the last first."""
+    solver = half_plane_solver(scene, scaled, effects, NODES)
+    if scene.is_loop:
+        Q_A = scene["load.amplitude"] * solver.mu
+        first = solver.friction_in_normal_stage
+        found = contact_edges(solver.kernel, solver.profile, 1.0, solver.mu, Q_A, solver.coupling, first, NODES)
+        return np.array([*found.contact, *found.stick])
+    return np.array([edge for state in solver.run(loads)[::-1] for edge in (*state.contact, *state.stick)])
 
 
 def distinct(values, apart: float) -> tuple[float, ...]:

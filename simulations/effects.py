@@ -133,6 +133,24 @@ def incompressibility(scene: Scene) -> Verdict:
     return Verdict(on, why, "displacements and mean stress" if on else "displacements alone")
 
 
+def load_programme(scene: Scene) -> Verdict:
+    """One loading, cycles, or a path."""
+    if not scene.is_loop:
+        points = len(scene.values.get("load.points", [None]))
+        return Verdict(points > 1, f"{points} load(s)", "straight from point to point" if points > 1 else "P alone")
+    cycles = scene["load.cycles"]
+    if cycles == 0:
+        return Verdict(False, "load.cycles = 0", "monotone, stops at +Q_A")
+    return Verdict(True, f"load.cycles = {cycles}", "to +Q_A, then to -Q_A and back")
+
+
+def profile(scene: Scene) -> Verdict:
+    """The indenter's shape, the parabola unless another is asked for."""
+    shape = scene["indenter.profile"]
+    formula = scene.values.get("indenter.formula", "")
+    return Verdict(shape != "parabola", f"{shape} {formula}".strip(), "nodal values of f(x), its own closed form")
+
+
 TRUTH = Key(kind=bool, default=True)
 ALL = (
     Effect("grading", grading, {"effects.grading": TRUTH}),
@@ -149,4 +167,6 @@ ALL = (
         incompressibility,
         {"effects.incompressibility": Key(kind=bool, default="auto", word="auto")},
     ),
+    Effect("load programme", load_programme),
+    Effect("indenter profile", profile),
 )

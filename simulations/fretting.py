@@ -21,7 +21,7 @@ def main(arguments: list[str], program: str = "simulations.fretting", descriptio
     if not request.explain and not saved:
         on_root(lambda: begin(folder, request.scene))
     if not request.quiet:
-        say("preparing mesh and forms (the first run compiles them, about a minute)")
+        say("preparing mesh and forms (the first run compiles them, some ten seconds)")
     set_petsc_options(request.petsc)
     simulation = Simulation(comm, request.scene, saved.cells if saved else None)
     if request.explain:

@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 
 from analytic import GradedHalfPlane, HalfPlaneContact, PowerProfile
-from analytic.half_plane_increment import ContactNotConverged
+from analytic.half_plane_linear import ContactNotConverged
 from analytic.half_plane_state import ContactState
 
 # increments per quarter cycle and nodes of the solver; the next pair is tried where one does not converge

@@ -8,7 +8,7 @@ from typing import Protocol
 import numpy as np
 
 from analytic import CylinderContact, FrettingLoop, ProfileContact
-from analytic.half_plane_increment import ContactNotConverged
+from analytic.half_plane_linear import ContactNotConverged
 from analytic.half_plane_state import ContactState
 
 from .edges import half_plane_solver

@@ -21,7 +21,6 @@ from .scene import Scene
 from .timing import Stopwatch
 
 COATED = 5.0  # the far field of a coated body is known less well: it is prescribed that much further away
-CORNERS = 3  # loads on the way to +Q_A at which a rough solution finds the edges that the mesh is graded to
 
 
 class Simulation:
@@ -105,11 +104,7 @@ class Simulation:
     def _grading(self) -> Grading:
         """Cell sizes of the scene, graded to where contact and stick zone are expected to end."""
         scene = self.scene
-        if scene.is_loop:
-            Q_A = scene["load.amplitude"] * self.mu
-            loads = [(1.0, Q_A * i / CORNERS) for i in range(CORNERS + 1)]
-        else:
-            loads = [(increment.P, increment.Q) for increment in self.programme]
+        loads = [(increment.P, increment.Q) for increment in self.programme]
         edges = expected_edges(scene, self.scaled, self.loop, self.effects, loads)
         sizes = scene.section("mesh")
         if not scene.is_power_law:

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from analytic.half_plane_increment import ContactNotConverged
+from analytic.half_plane_linear import ContactNotConverged
 
 from .points import Energies, Point, by_simulation
 from .store import Store

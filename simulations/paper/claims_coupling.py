@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 
 from analytic import PowerProfile
-from analytic.half_plane_increment import ContactNotConverged
+from analytic.half_plane_linear import ContactNotConverged
 
 from ..comparison import relative_l2
 from ..loops import SimulatedLoop, simulate

@@ -10,7 +10,7 @@ from scipy.special import ellipk, ellipkm1
 
 from analytic import CylinderContact, GradedHalfPlane, PowerProfile, Profile, ProfileContact
 from analytic.half_plane import HalfPlaneContact
-from analytic.half_plane_increment import ContactNotConverged
+from analytic.half_plane_linear import ContactNotConverged
 
 MU, P, R = 0.3, 1.0, 1.0
 Q_A = 0.9 * MU * P
@@ -64,13 +64,41 @@ def test_without_coupling_the_closed_forms(k, nodes):
     assert energy == pytest.approx(exact.dissipated_energy, rel=1e-4)
 
 
-def test_another_profile_with_a_flat():
-    """Pressure of the rounded punch."""
-    solid, punch = solid_of(0.3), Profile(lambda u: u**2 / 2, lambda u: u, np.ones_like, flat=0.4)
-    state = HalfPlaneContact(solid, punch, MU, coupling=False).run([(P, 0.0)])[-1]
-    exact = ProfileContact.from_load(solid, punch, P, a_max=3.0)
-    assert state.contact == pytest.approx((-exact.a, exact.a), rel=1e-3)
-    assert error(state, state.pressure, exact.pressure(state.x)) < 2e-3  # nodes do not know of the corner at the flat
+ROUNDED = Profile(lambda u: u**2 / 2, lambda u: u, np.ones_like, flat=0.4)
+ARC = Profile(  # of radius 5
+    lambda u: u**2 / (5 + np.sqrt(25 - u**2)), lambda u: u / np.sqrt(25 - u**2), lambda u: 25 / (25 - u**2) ** 1.5
+)
+
+
+@pytest.mark.parametrize(
+    ("profile", "a_max"),
+    [(PowerProfile(0.5, 3.0), 3.0), (PowerProfile(0.5, 4.0), 3.0), (ROUNDED, 4.0), (ARC, 4.9)],
+    ids=["cubic", "quartic", "rounded flat", "arc"],
+)
+@pytest.mark.parametrize(("k", "nodes"), [(0.0, 450), (0.3, 450), (0.9, 450)])
+def test_other_profiles_without_coupling(profile, a_max, k, nodes):
+    """p, q, slip, edges and energy of the loop against the closed forms of any profile."""
+    contact = ProfileContact.from_load(solid_of(k), profile, P, a_max=a_max)
+    exact = contact.fretting(MU, Q_A)
+    loads = [(P, Q) for Q in (0.0, Q_A, *cycle(8))]
+    states = HalfPlaneContact(solid_of(k), profile, MU, coupling=False, nodes=nodes).run(loads)
+    for index, branch in [(1, "initial"), (2, "unloading"), (3, "unloading"), (4, "unloading"), (5, "unloading")]:
+        state = states[index]
+        inside = np.abs(state.x) < contact.a
+        assert error(state, state.pressure, contact.pressure(state.x)) < 1e-4
+        assert error(state, state.traction, exact.traction(state.x, state.Q, branch)) < 1e-4
+        slip = np.where(inside, exact.slip(np.where(inside, state.x, 0.0), state.Q, branch), 0.0)
+        assert error(state, np.where(inside, -state.slip, 0.0), slip) < 1e-4
+        assert state.contact == pytest.approx((-contact.a, contact.a), rel=1e-4)
+        d = exact.active_half_width(state.Q, branch)
+        assert state.stick == pytest.approx((-d, d), rel=1e-4)
+    energy = states[-1].dissipated_energy - states[1].dissipated_energy
+    assert energy == pytest.approx(exact.dissipated_energy, rel=1e-4)
+
+
+def test_profile_that_ends_is_refused_by_name():
+    with pytest.raises(ValueError, match="the profile has no height at x = "):
+        HalfPlaneContact(solid_of(0.3), ARC, MU, nodes=60).run([(99 * P, 0.0)])
 
 
 # -- coupling on ---------------------------------------------------------------------------------------------------
@@ -149,7 +177,8 @@ def test_loads_are_checked():
 
 def test_what_does_not_converge_raises(monkeypatch):
     monkeypatch.setattr("analytic.half_plane_increment.MAX_ITERATIONS", 1)
-    with pytest.raises(ContactNotConverged, match="between"):
+    monkeypatch.setattr("analytic.half_plane_path.STEPS_PER_NODE", 0)
+    with pytest.raises(ContactNotConverged, match="path"):
         HalfPlaneContact(solid_of(0.3), PROFILE, MU, nodes=100).run([(P, 0.0)])
 
 

@@ -94,3 +94,60 @@ def test_wrong_behaviour_at_the_surface_is_found():
     kernel = LayeredKernel(lambda y: 3.0 if y < 1 else 1.0, GradedHalfPlane(2.0, 0.3, 0.0, 1.0), 1.0, 1e-3, 30.0)
     with pytest.raises(ValueError, match="at the surface"):
         kernel.values(np.array([1.0]))
+
+
+def airy_compliance(E, E_substrate, nu, omega, thickness):
+    """C_xx, C_yy, Im C_xy of a homogeneous coating from Airy's stress function f(y) e^(iωx), without any ODE."""
+    polynomial = [(s, n) for s in (-1, 1) for n in (0, 1)]  # (ω y)^n e^(s ω y); only s = -1 decays in the substrate
+
+    def fields(s, n, y, modulus, origin):
+        """σ_yy, σ_xy, u_x, u_y for unit coefficient; derivatives of f by Leibniz."""
+        t = omega * (y - origin)
+        f = [omega**m * np.exp(s * t) * (s**m * t**n + (m * s ** (m - 1) if n and m else 0)) for m in range(4)]
+        compliance = (1 + nu) / modulus
+        shear = -1j * omega * f[1]
+        u_x = compliance * ((1 - nu) * f[2] + nu * omega**2 * f[0]) / (1j * omega)
+        slope = compliance * ((1 - nu) * f[3] + nu * omega**2 * f[1]) / (1j * omega)
+        return np.array([-(omega**2) * f[0], shear, u_x, (2 * compliance * shear - slope) / (1j * omega)])
+
+    A = np.zeros((6, 6), dtype=complex)
+    for column, (s, n) in enumerate(polynomial):
+        origin = 0.0 if s < 0 else thickness  # no large exponentials
+        A[:2, column] = fields(s, n, 0.0, E, origin)[:2]
+        A[2:, column] = fields(s, n, thickness, E, origin)
+    for column, (s, n) in enumerate(polynomial[:2], start=4):
+        A[2:, column] = -fields(s, n, thickness, E_substrate, thickness)
+    load = np.zeros((6, 2))
+    load[1, 0] = load[0, 1] = -1  # q and p on the body
+    coefficients = np.linalg.solve(A, load)
+    surface = np.array([fields(s, n, 0.0, E, 0.0 if s < 0 else thickness)[2:] for s, n in polynomial]).T
+    (C_xx, C_xy), (_, C_yy) = surface @ coefficients[:4]
+    return np.array([C_xx.real, C_yy.real, C_xy.imag])
+
+
+@pytest.mark.parametrize("ratio", [0.1, 10.0])
+@pytest.mark.parametrize("nu", [0.0, 0.3, 0.5])
+def test_compliance_of_a_coating_by_stress_functions(ratio, nu):
+    for omega in (0.01, 0.3, 1.0, 3.0, 30.0):
+        computed = surface_compliance(lambda y: ratio if y <= 1 else 1.0, nu, omega, 1.0, 0.0, (1.0,))
+        expected = airy_compliance(ratio, 1.0, nu, omega, 1.0)
+        assert computed == pytest.approx(expected, abs=1e-9 * expected[0])
+
+
+@pytest.mark.parametrize("thickness", [0.1, 1.0, 10.0])
+@pytest.mark.parametrize("ratio", [0.1, 10.0])
+@pytest.mark.parametrize("kind", ["uniform", "exponential", "linear", "power law"])
+def test_coatings_up_to_a_factor_of_ten(kind, ratio, thickness):
+    """Harder or softer by ten, a tenth or ten contacts thick: the sum of sources meets the compliance to 5e-6."""
+    k = {0.1: 0.3, 10.0: -0.3}[ratio]
+    modulus, exponent = {
+        "uniform": (lambda y: ratio, 0.0),
+        "exponential": (lambda y: ratio ** (1 - y / thickness), 0.0),
+        "linear": (lambda y: ratio + (1 - ratio) * y / thickness, 0.0),
+        "power law": (lambda y: (y / thickness) ** k, k),
+    }[kind]
+    surface = GradedHalfPlane(1.0 if exponent else ratio, 0.3, exponent, thickness)
+    kernel = LayeredKernel(
+        lambda y: modulus(y) if y <= thickness else 1.0, surface, thickness, min(1e-3, thickness / 300), 30.0
+    )
+    assert kernel.misfit.max() < 5e-6
