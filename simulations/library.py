@@ -12,7 +12,8 @@ from mpi4py import MPI
 
 from . import comparison, reference
 from .history import Entry
-from .scene import DEFAULT_SCENE, THICKNESS, Y0, Scene, flatten, read_keys, resolve
+from .keys import flatten, read_keys
+from .scene import DEFAULT_SCENE, THICKNESS, Y0, Scene, resolve
 from .simulation import Simulation
 
 

@@ -1,11 +1,14 @@
 """What a run says while it goes: a line an increment with the time left; on a terminal one line, written over."""
 
+import os
 import shutil
 import sys
 import time
 
 from .command import say
 from .simulation import Simulation
+
+LAUNCHED = ("PMIX_RANK", "PMI_RANK", "OMPI_COMM_WORLD_RANK")  # mpirun's ranks have a terminal even where it has none
 
 
 class Progress:
@@ -15,7 +18,7 @@ class Progress:
         self.simulation, self.quiet = simulation, quiet
         self.total, self._first = len(simulation.programme), len(simulation.history.entries)
         self._start = time.perf_counter()
-        self._live = not quiet and sys.stdout.isatty()
+        self._live = not quiet and sys.stdout.isatty() and not any(name in os.environ for name in LAUNCHED)
 
     def say(self, text: str):
         """A line of its own."""

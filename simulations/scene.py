@@ -1,8 +1,6 @@
 """The scene language: a TOML file in the paper's symbols and SI units, checked key by key."""
 
 import difflib
-import json
-import tomllib
 from dataclasses import dataclass
 from functools import cached_property
 from math import isfinite
@@ -15,6 +13,7 @@ from analytic import CylinderContact, GradedHalfPlane, ProfileContact
 
 from . import accuracy, effects
 from .indenter import Indenter, from_scene
+from .keys import read_keys, read_value, written
 from .language import Key, SceneError, one_line, shown
 from .solid import equivalent_half_width, normal_contact
 
@@ -193,25 +192,8 @@ class Scene:
         lines = []
         for table, entries in tables.items():
             lines += [f"[{table}]"] if table else []
-            lines += [f"{name} = {_written(value)}" for name, value in entries.items()]
+            lines += [f"{name} = {written(value)}" for name, value in entries.items()]
         return "\n".join(lines) + "\n"
-
-
-def _written(value) -> str:
-    """A value as TOML: JSON but for two characters."""
-    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
-
-
-def flatten(document: dict) -> dict[str, Any]:
-    """``{"solid": {"k": 0.3}}`` as ``{"solid.k": 0.3}``."""
-    flat: dict[str, Any] = {}
-    for name, value in document.items():
-        entries = {f"{name}.{inner}": v for inner, v in value.items()} if isinstance(value, dict) else {name: value}
-        for key, inner in entries.items():
-            if key in flat:
-                raise SceneError(f"{one_line(key)} = {shown(inner)} is given twice")
-            flat[key] = inner
-    return flat
 
 
 def parse(text: str, overrides: tuple[str, ...] = ()) -> Scene:
@@ -224,7 +206,7 @@ def parse(text: str, overrides: tuple[str, ...] = ()) -> Scene:
         for pair in (Y0, THICKNESS):
             for other in pair if key.strip() in pair else ():
                 given.pop(other, None)
-        given[key.strip()] = _value(value.strip())
+        given[key.strip()] = read_value(value.strip())
     return resolve(given)
 
 
@@ -380,22 +362,3 @@ def _check_points(points, mu):
     for P, Q in points:
         if Q and abs(Q) >= mu * P:
             raise SceneError(f"load.points = {shown(points)} is not allowed: |Q| < mu P, here P = {P:g}, Q = {Q:g}")
-
-
-def read_keys(text: str) -> dict[str, Any]:
-    """The flat keys of a TOML text as they are written, unchecked."""
-    try:
-        return flatten(tomllib.loads(text))
-    except SceneError:
-        raise
-    except (ValueError, RecursionError) as error:  # too long a number, too deep a list
-        raise SceneError(f"the scene is not TOML: {one_line(str(error))}") from None
-
-
-def _value(text: str):
-    """A value as TOML reads it; a bare word is a text."""
-    try:
-        document = tomllib.loads(f"value = {text}")
-    except (ValueError, RecursionError):
-        return text
-    return document["value"] if len(document) == 1 else text

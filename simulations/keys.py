@@ -1,0 +1,43 @@
+"""Scenes as text: TOML to flat keys, and values back to TOML. What they mean is checked elsewhere."""
+
+import json
+import tomllib
+from typing import Any
+
+from .language import SceneError, one_line, shown
+
+
+def read_keys(text: str) -> dict[str, Any]:
+    """The flat keys of a TOML text as they are written, unchecked."""
+    try:
+        return flatten(tomllib.loads(text))
+    except SceneError:
+        raise
+    except (ValueError, RecursionError) as error:  # too long a number, too deep a list
+        raise SceneError(f"the scene is not TOML: {one_line(str(error))}") from None
+
+
+def read_value(text: str):
+    """A value as TOML reads it; a bare word is a text."""
+    try:
+        document = tomllib.loads(f"value = {text}")
+    except (ValueError, RecursionError):
+        return text
+    return document["value"] if len(document) == 1 else text
+
+
+def flatten(document: dict) -> dict[str, Any]:
+    """``{"solid": {"k": 0.3}}`` as ``{"solid.k": 0.3}``."""
+    flat: dict[str, Any] = {}
+    for name, value in document.items():
+        entries = {f"{name}.{inner}": v for inner, v in value.items()} if isinstance(value, dict) else {name: value}
+        for key, inner in entries.items():
+            if key in flat:
+                raise SceneError(f"{one_line(key)} = {shown(inner)} is given twice")
+            flat[key] = inner
+    return flat
+
+
+def written(value) -> str:
+    """A value as TOML: JSON but for two characters."""
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
