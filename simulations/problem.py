@@ -175,7 +175,7 @@ class ContactProblem:
         return self.contact_forces()[:, direction]
 
     def contact_states(self) -> np.ndarray:
-        """At the surface points of this rank's cells (m,): 0 open, 2 closed or sticking, 3 and 1 sliding along +x, -x."""
+        """At the surface points of this rank's cells (m,): 0 open, 2 closed or stuck, 3 and 1 sliding along +x, -x."""
         self._interpolate(self._state_values, self._contact_state)
         return self._state_values.x.array[self._surface_points]
 
