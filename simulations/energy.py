@@ -54,6 +54,7 @@ class EnergyMeter:
     def read(self, entry: Entry):
         """Add the increment that ended with ``entry``."""
         body, surface, load = self.body, entry.surface, entry.increment
+        body.complete()
         u = body.state.x.petsc_vec.duplicate()
         u.array[:] = body.state.x.petsc_vec.array_r
         force = body.stiffness.createVecLeft()

@@ -34,6 +34,7 @@ class FieldWriter:
 
     def write(self, number: int, numbers: list[int]):
         """Keep the present state as that of increment ``number``; ``numbers`` are all increments in the index."""
+        self.body.complete()
         self._stress.interpolate(self._stress_expression)
         u = self.numbering.gather(self.body.state.x.array)
         stress = self.numbering.gather_cells(self._stress.x.array.reshape(-1, 4))

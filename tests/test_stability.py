@@ -9,12 +9,11 @@ from conftest import coarse_arguments, run_command
 from solving import coarse_simulation, solved
 
 from simulations import body, checks, effects, newton, stability
-from simulations.condensed import CondensedSystem
 from simulations.energy import EnergyMeter, worst_defect
 from simulations.language import SceneError
 from simulations.limits import expected_error
 from simulations.programme import SolveError
-from simulations.stability_report import GREEN, WRONG
+from simulations.stability_report import GREEN, REFUSED
 
 UNCOUPLED = {"effects__coupling": "false", "solid__nu": 0.3}
 
@@ -60,13 +59,13 @@ def test_tolerance_follows_round_off(monkeypatch):
         solved(**thin)
 
 
-def test_all_points_sliding_does_not_end_the_run(monkeypatch):
+def test_all_points_sliding_does_not_end_the_run():
     """Pressed on with friction, few points are in contact at first, and all of them slide in an iterate."""
     scene = {"solid__k": -0.5, "solid__nu": 0.3, "effects__friction_in_normal_stage": "true"}
-    solved(**scene)
-    monkeypatch.setattr(CondensedSystem, "is_singular", lambda self: False)
-    with pytest.raises(SolveError, match="singular"):
-        solved(**scene)
+    simulation = solved(**scene)
+    assert len(simulation.history.entries) == len(simulation.programme)
+    with pytest.raises(SolveError, match="singular"):  # the full method has no way round it
+        solved(**scene, solver__method="full")
 
 
 def test_a_cycle_ends_at_once(monkeypatch):
@@ -226,8 +225,8 @@ def outcomes(names) -> dict[str, str]:
 def test_a_part_of_the_matrix():
     names = list(stability.read_cases())[::14]
     ended = outcomes(names)
-    assert WRONG not in ended.values(), ended
-    assert sum(outcome == GREEN for outcome in ended.values()) >= 0.8 * len(names), ended
+    assert set(ended.values()) <= {GREEN, REFUSED}, ended
+    assert sum(outcome == GREEN for outcome in ended.values()) >= 14, ended
 
 
 def test_the_command_writes_and_resumes(tmp_path):
