@@ -76,13 +76,13 @@ def name_of(row: dict) -> str:
 
 
 def calibrate(rows: list[dict]):
-    """Write ``accuracy.csv`` from the study of fineness."""
-    lines = [
-        (case.k, float(case.level), row["largest"], row["cpu_s"])
-        for row in rows
-        if row["study"] == "fineness" and not row["failure"]
-        for case in [Case("fineness", row["problem"], row["level"])]
-    ]
+    """Write ``accuracy.csv`` from the study of fineness: the worse of the two amplitudes, where both were measured."""
+    found: dict[tuple[float, float], list[dict]] = {}
+    for row in rows:
+        if row["study"] in ("fineness", "half load") and not row["failure"]:
+            key = Case("", row["problem"], "").k, float(row["level"])
+            found.setdefault(key, []).append(row)
+    lines = [(*key, max(r["largest"] for r in two), max(r["cpu_s"] for r in two)) for key, two in found.items() if len(two) == 2]
     with accuracy.TABLE.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(("k", "fineness", "error", "seconds"))
