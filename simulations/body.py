@@ -24,10 +24,10 @@ class HalfPlane:
     """Mesh, function spaces, fields and stiffness of the graded half-plane.
 
     far_field: function ``(x, y, P, Q) -> (2, n)`` with the displacement far from the loads; it is prescribed on
-    the outer boundary, so that the domain's size is felt only beyond the resultant loads. strip: half-width of the surface
-    on which contact is looked for. mixed: the mean stress is a field of its own. works: further terms of the virtual
-    work, functions ``(body, v) -> form`` linear in ``body.u``. degree: of the displacements, 1 to 3. A mesh with SYMMETRY facets is the half x > 0 of a
-    symmetric problem.
+    the outer boundary, so that the domain's size is felt only beyond the resultant loads. strip: half-width of the
+    surface on which contact is looked for. mixed: the mean stress is a field of its own. works: further terms of the
+    virtual work, functions ``(body, v) -> form`` linear in ``body.u``. degree: of the displacements, 1 to 3. A mesh
+    with SYMMETRY facets is the half x > 0 of a symmetric problem.
 
     ``state`` holds all unknowns; ``u`` and ``pi`` (None unless mixed) are its parts in forms, and ``dofs[n, i]`` is the
     index in ``state`` of displacement i of node n.
@@ -148,7 +148,9 @@ class HalfPlane:
             self.space = self.displacements = fem.functionspace(self.mesh, element)
             dofs = np.arange(2 * len(self.space.tabulate_dof_coordinates()))
         self.dofs = np.asarray(dofs, dtype=np.int32).reshape(-1, 2)
-        self.point_space = fem.functionspace(self.mesh, ("DG", self.degree))  # of what surface points remember, cell by cell
+        self.point_space = fem.functionspace(
+            self.mesh, ("DG", self.degree)
+        )  # of what surface points remember, cell by cell
         self.state = fem.Function(self.space, name="state")
         self.u, self.pi = self.split(self.state)
 
@@ -189,8 +191,8 @@ class HalfPlane:
     def _correction(self):
         """Exact mean of E over each cell, divided by its quadrature.
 
-        For k < 0 the modulus is infinite on the surface, and Gauss points miss part of the stiff skin: 13 % of the first
-        layer's at k = -0.5, an error of order first_layer^(1+k) in everything.
+        For k < 0 the modulus is infinite on the surface, and Gauss points miss part of the stiff skin: 13 % of the
+        first layer's at k = -0.5, an error of order first_layer^(1+k) in everything.
         """
         if not self.modulus.is_singular:
             return 1.0

@@ -36,7 +36,9 @@ def main(arguments: list[str], program: str = "simulations.fretting", descriptio
 
 
 def judge(request, simulation: Simulation, results: Results):
-    """Say the error found, or estimated where there is no closed form, beside the accuracy asked for; keep it in the summary."""
+    """Say the error found, or estimated where there is no closed form, beside the accuracy asked for; keep it in
+    the summary.
+    """
     scene = request.scene
     exact = scene.has_closed_form
     if exact:
@@ -52,7 +54,12 @@ def judge(request, simulation: Simulation, results: Results):
     verdict = "within" if largest <= wanted else "NOT within"
     say(f"largest error {largest:.1e} ({name}; {kind}): {verdict} {wanted:g}")
     if comm.rank == 0:
-        results.summary["accuracy"] = {"wanted": wanted, "largest_error": largest, "is_estimate": not exact, "errors": errors}
+        results.summary["accuracy"] = {
+            "wanted": wanted,
+            "largest_error": largest,
+            "is_estimate": not exact,
+            "errors": errors,
+        }
         write_summary(request.output / "summary.json", results.summary)
 
 

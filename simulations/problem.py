@@ -1,6 +1,7 @@
 """The discrete contact problem: its forms, residual and Jacobian on the half-plane.
 
-Unknowns are the state ``u`` of the body and the rigid indenter's two displacements ``delta = (delta_x, delta_y)``, which the two line loads (Q, P) determine:
+Unknowns are the state ``u`` of the body and the rigid indenter's two displacements ``delta = (delta_x, delta_y)``,
+which the two line loads (Q, P) determine:
 
     K u - f(u, delta) = 0  in the body,     sum of the contact tractions in f = (Q, P).
 """
@@ -32,9 +33,9 @@ class Nitsche:
 class ContactProblem:
     """Contact of a half-plane with the indenter as residual and Jacobian, with the effects it is asked for.
 
-    height: numpy function of x, the indenter's profile f(x). ``directions`` lists the contact tractions in the forms, each
-    with its rigid displacement: (Y,) without friction; (X, Y) with; (X,) for the tangential problem uncoupled from the
-    normal one, whose pressure and displacement ``hold_pressure`` then keeps.
+    height: numpy function of x, the indenter's profile f(x). ``directions`` lists the contact tractions in the forms,
+    each with its rigid displacement: (Y,) without friction; (X, Y) with; (X,) for the tangential problem uncoupled
+    from the normal one, whose pressure and displacement ``hold_pressure`` then keeps.
     """
 
     def __init__(self, body: HalfPlane, height, nitsche: Nitsche, directions: tuple[int, ...]):
@@ -55,7 +56,9 @@ class ContactProblem:
         traction = body.traction(u, pi)
         tractions = {}
         if Y in directions:
-            profile = fem.Function(fem.functionspace(body.mesh, ("Lagrange", body.degree)))  # the terms live at its nodes
+            profile = fem.Function(
+                fem.functionspace(body.mesh, ("Lagrange", body.degree))
+            )  # the terms live at its nodes
             profile.interpolate(lambda x: height(x[0]))
             gap = contact.gap(u, profile, body.delta)
             pressure = tractions[Y] = contact.contact_pressure(traction, gap, gamma)

@@ -1,4 +1,6 @@
-"""Accuracy by one number: the settings, what is refused, and that it holds for scenes that were not used to calibrate."""
+"""Accuracy by one number: the settings, what is refused, and that it holds for scenes that were not used to
+calibrate.
+"""
 
 import json
 
