@@ -1,7 +1,8 @@
-"""Accuracy by one number: cell sizes from one family, whose errors were measured (``accuracy.csv``, by ``simulations.cost``).
+"""Accuracy by one number: cell sizes from one family, whose errors were measured (``accuracy.csv``, by
+``simulations.cost``).
 
-The family has one parameter, the fineness t: facets under the cylinder are 0.025 t half-widths, all else follows. Its errors
-are the largest of those of p, q and slip (L2 over the contact, at +Q_A), a, c and the energy of a cycle.
+The family has one parameter, the fineness t: facets under the cylinder are 0.025 t half-widths, all else follows. Its
+errors are the largest of those of p, q and slip (L2 over the contact, at +Q_A), a, c and the energy of a cycle.
 """
 
 import csv
@@ -17,7 +18,9 @@ MARGIN = 1.5  # loads and gradings between those measured; a and c are read betw
 
 @dataclass(frozen=True)
 class Measured:
-    """One line of the table: the largest error at grading ``k`` and fineness, and CPU seconds of a loop of 31 increments."""
+    """One line of the table: the largest error at grading ``k`` and fineness, and CPU seconds of a loop of 31
+    increments.
+    """
 
     k: float
     fineness: float
@@ -36,7 +39,9 @@ class Choice:
 
 
 def family(fineness: float, k: float) -> dict[str, float]:
-    """Keys of the scene at a fineness t. For k <= 0 layers and edge facets are refined alike: the edge is sharp both ways."""
+    """Keys of the scene at a fineness t. For k <= 0 layers and edge facets are refined alike: the edge is sharp
+    both ways.
+    """
     t = fineness
     edge = min(1e-3 * t**2, 0.02)
     if k < 0:
@@ -61,7 +66,9 @@ def table(path: Path = TABLE) -> tuple[Measured, ...]:
 
 
 def choose(accuracy: float, k: float) -> Choice:
-    """The coarsest mesh whose error, with a margin, is ``accuracy``; SceneError with the best there is where none is."""
+    """The coarsest mesh whose error, with a margin, is ``accuracy``; SceneError with the best there is where none
+    is.
+    """
     levels = expected(k)
     enough = [choice for choice in levels if choice.error <= accuracy]
     if enough:
@@ -78,7 +85,9 @@ def choose(accuracy: float, k: float) -> Choice:
 
 
 def expected(k: float) -> list[Choice]:
-    """What every fineness reaches at ``k``, the finest first: the worse of the two gradings measured next to it, with the margin."""
+    """What every fineness reaches at ``k``, the finest first: the worse of the two gradings measured next to it,
+    with the margin.
+    """
     gradings = sorted({m.k for m in table()})
     if not gradings or not gradings[0] <= k <= gradings[-1]:
         return []

@@ -151,7 +151,9 @@ class HalfPlane:
             self.space = self.displacements = fem.functionspace(self.mesh, element)
             dofs = np.arange(2 * len(self.space.tabulate_dof_coordinates()))
         self.dofs = np.asarray(dofs, dtype=np.int32).reshape(-1, 2)
-        self.point_space = fem.functionspace(self.mesh, ("DG", self.degree))  # of what surface points remember, cell by cell
+        self.point_space = fem.functionspace(
+            self.mesh, ("DG", self.degree)
+        )  # of what surface points remember, cell by cell
         self.state = fem.Function(self.space, name="state")
         self.u, self.pi = self.split(self.state)
 

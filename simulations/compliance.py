@@ -23,8 +23,8 @@ from .schur import PartialFactor
 class Compliance:
     """Response of the strip to unit nodal forces on the surface and to unit line loads in the far field.
 
-    It depends on the body alone. Surface nodes are sorted by x. ``strip`` holds the global dofs (r,) of the strip cells, sorted;
-    rank 0 has ``far`` (r, 2), columns Q and P, and ``response``; None elsewhere.
+    It depends on the body alone. Surface nodes are sorted by x. ``strip`` holds the global dofs (r,) of the strip
+    cells, sorted; rank 0 has ``far`` (r, 2), columns Q and P, and ``response``; None elsewhere.
     """
 
     def __init__(self, body: HalfPlane):
@@ -42,7 +42,9 @@ class Compliance:
     def response(self, directions: tuple[int, ...]) -> Response:
         """R (r, mn) to unit forces along ``directions``, one after the other; on rank 0."""
         whole = Response(tuple(self._blocks))
-        return whole if len(directions) == 2 else whole.chosen(slice(directions[0] * self.n, (directions[0] + 1) * self.n))
+        return (
+            whole if len(directions) == 2 else whole.chosen(slice(directions[0] * self.n, (directions[0] + 1) * self.n))
+        )
 
     def collect(self, owned: np.ndarray) -> np.ndarray:
         """Rows (n, ...) sorted by x, on every rank, from those of the owned surface nodes."""
@@ -196,7 +198,9 @@ class _Half:
         return displacements
 
     def _join(self, inside, on_interface):
-        """Displacements of the strip under forces inside it and on its interface, those of the bulk condensed onto that."""
+        """Displacements of the strip under forces inside it and on its interface, those of the bulk condensed onto
+        that.
+        """
         particular = self._inside.solve(np.ascontiguousarray(inside))
         on_interface = on_interface - self._border.T @ particular
         u = solve(self._schur, on_interface, assume_a=self._assume, check_finite=False)
@@ -230,9 +234,13 @@ def _extract(body: HalfPlane, part: Part, inner, interface) -> "_Half | None":
 
 
 def _submatrix(matrix: PETSc.Mat, rows, columns, axis) -> csr_matrix:
-    """Rows and columns (global) of a distributed matrix on this rank; entries between axis dofs belong to a half by half."""
+    """Rows and columns (global) of a distributed matrix on this rank; entries between axis dofs belong to a half by
+    half.
+    """
     order = np.argsort(columns, kind="stable")  # PETSc wants them sorted
-    wanted = [PETSc.IS().createGeneral(np.asarray(d, PETSc.IntType), comm=PETSc.COMM_SELF) for d in (rows, columns[order])]
+    wanted = [
+        PETSc.IS().createGeneral(np.asarray(d, PETSc.IntType), comm=PETSc.COMM_SELF) for d in (rows, columns[order])
+    ]
     (found,) = matrix.createSubMatrices(wanted[:1], wanted[1:])
     indptr, indices, data = found.getValuesCSR()
     found.destroy()

@@ -115,7 +115,7 @@ class CondensedSystem:
 
     def _dense(self):
         """The dense step, on rank 0; None elsewhere."""
-        compliance, body = self.compliance, self.problem.body
+        body = self.problem.body
         translations = np.stack([self._on_strip(body.translations[i].x.array) for i in self._rigid], axis=1)
         return DenseTangent(self._response, translations, self._sides) if self._is_root else None
 

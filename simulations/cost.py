@@ -25,11 +25,17 @@ TEXTS = ("study", "problem", "level", "failure")
 def main(arguments: list[str]):
     """Measure what is not in the table yet, each case in a process of its own; then draw the figures."""
     parser = argparse.ArgumentParser(prog="python -m simulations.cost", description=__doc__)
-    parser.add_argument("--output", type=Path, default=Path("results/cost"), metavar="DIR", help="folder for cost.csv and figures")
+    parser.add_argument(
+        "--output", type=Path, default=Path("results/cost"), metavar="DIR", help="folder for cost.csv and figures"
+    )
     parser.add_argument("--only", default="", metavar="TEXT", help="cases whose name (study/problem/level) contains it")
     parser.add_argument("--list", action="store_true", help="name the cases, and stop")
-    parser.add_argument("--peer", action="store_true", help="also GetFEM on the homogeneous loop, where it is installed")
-    parser.add_argument("--calibrate", action="store_true", help="write the table that --accuracy reads from what is measured")
+    parser.add_argument(
+        "--peer", action="store_true", help="also GetFEM on the homogeneous loop, where it is installed"
+    )
+    parser.add_argument(
+        "--calibrate", action="store_true", help="write the table that --accuracy reads from what is measured"
+    )
     parser.add_argument("--case", help=argparse.SUPPRESS)
     given = parser.parse_args(arguments)
     wanted = [case for case in cases() if given.only in case.name]
@@ -48,7 +54,10 @@ def main(arguments: list[str]):
         if case.name not in done:
             row = _measured_apart(case)
             _append(path, row)
-            said = row.get("failure") or f"{row['unknowns']} unknowns, {row['cpu_s']:.2f} s CPU, error {row['largest']:.1e}"
+            said = (
+                row.get("failure")
+                or f"{row['unknowns']} unknowns, {row['cpu_s']:.2f} s CPU, error {row['largest']:.1e}"
+            )
             say(f"{number:4d}/{len(wanted)}  {case.name}: {said}")
     if given.peer:
         from .peer_getfem import compare_peer
@@ -76,17 +85,23 @@ def name_of(row: dict) -> str:
 
 
 def calibrate(rows: list[dict]):
-    """Write ``accuracy.csv`` from the study of fineness."""
+    """Write ``accuracy.csv`` from the study of fineness: the worse of the two amplitudes, where both were measured."""
+    found: dict[tuple[float, float], list[dict]] = {}
+    for row in rows:
+        if row["study"] in ("fineness", "half load") and not row["failure"]:
+            key = Case("", row["problem"], "").k, float(row["level"])
+            found.setdefault(key, []).append(row)
     lines = [
-        (case.k, float(case.level), row["largest"], row["cpu_s"])
-        for row in rows
-        if row["study"] == "fineness" and not row["failure"]
-        for case in [Case("fineness", row["problem"], row["level"])]
+        (*key, max(r["largest"] for r in two), max(r["cpu_s"] for r in two))
+        for key, two in found.items()
+        if len(two) == 2
     ]
     with accuracy.TABLE.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(("k", "fineness", "error", "seconds"))
-        writer.writerows((f"{k:g}", f"{t:g}", f"{error:.2e}", f"{seconds:.2f}") for k, t, error, seconds in sorted(lines))
+        writer.writerows(
+            (f"{k:g}", f"{t:g}", f"{error:.2e}", f"{seconds:.2f}") for k, t, error, seconds in sorted(lines)
+        )
 
 
 def _number(name: str, text: str):
@@ -107,8 +122,16 @@ def _measured_apart(case: Case) -> dict:
     command = [sys.executable, "-m", "simulations.cost", "--case", case.name]
     if case.ranks > 1:
         command = [shutil.which("mpirun"), "-n", str(case.ranks), *command]
-    done = subprocess.run(command, text=True, capture_output=True, stdin=subprocess.DEVNULL, env=os.environ | {"OMP_NUM_THREADS": "1"})
-    row = {"study": case.study, "problem": case.problem, "level": case.level, "ranks": case.ranks, "tolerance": case.tolerance}
+    done = subprocess.run(
+        command, text=True, capture_output=True, stdin=subprocess.DEVNULL, env=os.environ | {"OMP_NUM_THREADS": "1"}
+    )
+    row = {
+        "study": case.study,
+        "problem": case.problem,
+        "level": case.level,
+        "ranks": case.ranks,
+        "tolerance": case.tolerance,
+    }
     lines = [line for line in done.stdout.splitlines() if line.startswith(MARK)]
     if lines:
         return row | json.loads(lines[-1].removeprefix(MARK))

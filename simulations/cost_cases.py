@@ -21,9 +21,11 @@ coupling = {coupling}
 """
 UNCOUPLED = {f"k={k:g}": LOOP.format(k=k, nu=0.3, coupling="false") for k in (-0.5, 0.0, 0.7)}
 PROBLEMS = {"default": LOOP.format(k=0.3, nu='"holl"', coupling="true")} | UNCOUPLED
-TABLE = {f"k={k:g}": LOOP.format(k=k, nu=0.3, coupling="false") for k in (-0.25, 0.9)}  # for the table of accuracy.py alone
+TABLE = {
+    f"k={k:g}": LOOP.format(k=k, nu=0.3, coupling="false") for k in (-0.25, 0.9)
+}  # for the table of accuracy.py alone
 PEER = LOOP.format(k=0.0, nu=0.495, coupling="true")
-FINENESS = (8.0, 4.0, 2.8, 2.0, 1.4, 1.0, 0.7, 0.5, 0.35)
+FINENESS = (8.0, 4.0, 2.8, 2.0, 1.4, 1.0, 0.7, 0.5, 0.35, 0.25)
 CENTRE = {  # the default settings, around which one at a time is varied
     "mesh.facet": 0.025,
     "mesh.growth": 1.3,
@@ -44,7 +46,7 @@ VARIED = {
     "solver.increments": (1, 2, 3, 10, 20),
     "tolerance": (1e-3, 1e-5, 1e-7, 1e-11),
 }
-SIZES = ((0.1, 2e4), (0.025, 6e4), (0.01, 2e5), (0.004, 1e6))  # facet and roughly the unknowns it gives
+SIZES = ((0.1, 2e4), (0.025, 1e5), (0.01, 2e5), (0.004, 5e5), (0.0035, 1e6))  # facet and roughly the unknowns it gives
 
 
 @dataclass(frozen=True)
@@ -79,11 +81,18 @@ def cases() -> list[Case]:
     found = []
     for problem in PROBLEMS | TABLE:
         k = Case("", problem, "").k
-        found += [Case("fineness", problem, f"{t:g}", accuracy.family(t, k)) for t in FINENESS]
+        finest = 0.7 if k < 0 else 0.25 if k < 0.5 else 0.35  # beyond, nothing is gained or nothing is needed
+        levels = [t for t in FINENESS if t >= finest]
+        found += [Case("fineness", problem, f"{t:g}", accuracy.family(t, k)) for t in levels]
+        found += [Case("half load", problem, f"{t:g}", accuracy.family(t, k) | {"load.amplitude": 0.5}) for t in levels]
     for problem in PROBLEMS:
         for degree in (1, 2, 3):
             for facet in (0.2, 0.1, 0.05, 0.025) if degree > 1 else (0.1, 0.05, 0.025, 0.0125):
-                sizes = {"mesh.facet": facet, "mesh.edge_facet": 1.6 * facet**2, "mesh.growth": min(2.0, 1.3 ** (facet / 0.025))}
+                sizes = {
+                    "mesh.facet": facet,
+                    "mesh.edge_facet": 1.6 * facet**2,
+                    "mesh.growth": min(2.0, 1.3 ** (facet / 0.025)),
+                }
                 found.append(Case("degree", problem, f"{degree}:{facet:g}", sizes | {"mesh.degree": degree}))
     for problem in PROBLEMS:
         found.append(Case("one at a time", problem, "centre"))
@@ -98,6 +107,8 @@ def cases() -> list[Case]:
         sizes |= {"mesh.first_layer": 1e-4, "solver.increments": 10}
         if unknowns < 5e4:
             sizes |= {"mesh.growth": 2.0, "mesh.layer_growth": 1.3}
+        if unknowns > 8e5:
+            sizes |= {"mesh.layer_growth": 1.075}
         for ranks in (1, 2):
             found.append(Case("size", "default", f"{unknowns:.0e} on {ranks}", sizes, ranks))
     found += [Case("peer", "peer", f"{t:g}", accuracy.family(t, 0.0) | {"solver.increments": 10}) for t in FINENESS[:7]]

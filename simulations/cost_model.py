@@ -13,7 +13,13 @@ from .newton import bulk_solver
 from .scene import parse
 from .simulation import Simulation
 
-COARSE = {"mesh.facet": 0.5, "mesh.edge_facet": 0.1, "mesh.growth": 3.0, "mesh.first_layer": 0.05, "mesh.layer_growth": 2.5}
+COARSE = {
+    "mesh.facet": 0.5,
+    "mesh.edge_facet": 0.1,
+    "mesh.growth": 3.0,
+    "mesh.first_layer": 0.05,
+    "mesh.layer_growth": 2.5,
+}
 QUICK = 5.0  # seconds below which a case runs twice, and the faster run counts
 QUANTITIES = ("pressure", "traction", "slip", "a", "c", "dissipated_energy")
 

@@ -7,8 +7,16 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.ticker import NullFormatter
 
-COLOURS = {"default": "#0072B2", "k=-0.5": "#D55E00", "k=0": "#009E73", "k=0.7": "#CC79A7", "peer": "#56B4E9", "GetFEM": "#000000"}
+COLOURS = {
+    "default": "#0072B2",
+    "k=-0.5": "#D55E00",
+    "k=0": "#009E73",
+    "k=0.7": "#CC79A7",
+    "peer": "#56B4E9",
+    "GetFEM": "#000000",
+}
 MARKERS = {"default": "o", "k=-0.5": "s", "k=0": "^", "k=0.7": "D", "peer": "v", "GetFEM": "X"}
 NAMES = {
     "default": "k = 0.3, Holl ratio",
@@ -33,7 +41,12 @@ def draw(rows: list[dict], folder: Path) -> list[Path]:
     """Write every figure that the rows suffice for, as PNG and SVG; the files written."""
     rows = [row for row in rows if not row.get("failure")]
     written = []
-    for name, figure in (("work_precision", work_precision), ("rates", rates), ("sources", sources), ("pareto", pareto)):
+    for name, figure in (
+        ("work_precision", work_precision),
+        ("rates", rates),
+        ("sources", sources),
+        ("pareto", pareto),
+    ):
         drawn = figure(rows)
         if drawn is None:
             continue
@@ -46,7 +59,10 @@ def draw(rows: list[dict], folder: Path) -> list[Path]:
 
 def work_precision(rows):
     """Error against seconds for each quantity, fineness by fineness."""
-    lines = {p: _sorted([r for r in rows if r["study"] in ("fineness", "peer") and r["problem"] == p], "cpu_s") for p in NAMES}
+    lines = {
+        p: _sorted([r for r in rows if r["study"] in ("fineness", "peer") and r["problem"] == p], "cpu_s")
+        for p in NAMES
+    }
     lines = {problem: line for problem, line in lines.items() if line}
     if not lines:
         return None
@@ -71,18 +87,33 @@ def rates(rows):
     if not found:
         return None
     problems = [problem for problem in NAMES if any(row["problem"] == problem for row in found)]
-    figure, axes = plt.subplots(1, len(problems), figsize=(3.3 * len(problems), 3.6), sharey=True, layout="constrained", squeeze=False)
+    figure, axes = plt.subplots(
+        1, len(problems), figsize=(3.3 * len(problems), 3.6), sharey=True, layout="constrained", squeeze=False
+    )
     for axis, problem in zip(axes[0], problems):
         for degree, marker in (("1", "o"), ("2", "s"), ("3", "^")):
             mine = [row for row in found if row["problem"] == problem and row["level"].startswith(degree)]
             points = sorted((float(row["level"].partition(":")[2]), row["pressure"]) for row in mine)
             if len(points) > 1:
                 h, error = map(np.array, zip(*points))
-                (line,) = axis.loglog(h, error, marker=marker, color=["#0072B2", "#D55E00", "#009E73"][int(degree) - 1], label=f"degree {degree}")
+                (line,) = axis.loglog(
+                    h,
+                    error,
+                    marker=marker,
+                    color=["#0072B2", "#D55E00", "#009E73"][int(degree) - 1],
+                    label=f"degree {degree}",
+                )
                 rate = np.polyfit(np.log(h), np.log(error), 1)[0]
-                axis.annotate(f"{rate:.1f}", (h[0], error[0]), textcoords="offset points", xytext=(-4, -12), color=line.get_color())
+                axis.annotate(
+                    f"{rate:.1f}",
+                    (h[0], error[0]),
+                    textcoords="offset points",
+                    xytext=(-4, -12),
+                    color=line.get_color(),
+                )
                 axis.loglog(h, error[-1] * (h / h[-1]) ** int(degree), ":", color=line.get_color(), linewidth=1)
         axis.set(title=NAMES[problem], xlabel="facet / a [-]")
+        axis.xaxis.set_minor_formatter(NullFormatter())
         axis.grid(True, alpha=0.3)
     axes[0][0].set_ylabel("relative error of p (L2) [-]")
     axes[0][0].plot([], [], "k:", label="order = degree")
@@ -91,12 +122,16 @@ def rates(rows):
 
 
 def sources(rows):
-    """By how much the largest change of each setting towards the finer changes p, q, slip, c and ΔW of the default mesh."""
+    """By how much the largest change of each setting towards the finer changes p, q, slip, c and ΔW of the default
+    mesh.
+    """
     found = {(row["problem"], row["level"]): row for row in rows if row["study"] == "one at a time"}
     problems = [problem for problem in NAMES if (problem, "centre") in found]
     if not problems:
         return None
-    figure, axes = plt.subplots(1, len(problems), figsize=(3.3 * len(problems), 3.8), sharey=True, layout="constrained", squeeze=False)
+    figure, axes = plt.subplots(
+        1, len(problems), figsize=(3.3 * len(problems), 3.8), sharey=True, layout="constrained", squeeze=False
+    )
     colours = ["#0072B2", "#56B4E9", "#009E73", "#D55E00", "#000000"]
     for axis, problem in zip(axes[0], problems):
         centre = found[problem, "centre"]
@@ -104,7 +139,9 @@ def sources(rows):
             finer = [_finest(found, problem, key) for key in keys]
             heights = [max([abs(row[q] - centre[q]) for row in finer if row] + [FLOOR]) for q in QUANTITIES]
             axis.bar(np.arange(len(heights)) + 0.16 * (number - 2), heights, 0.16, color=colours[number], label=source)
-        axis.plot(np.arange(len(QUANTITIES)), [centre[q] for q in QUANTITIES], "k_", markersize=26, label="error itself")
+        axis.plot(
+            np.arange(len(QUANTITIES)), [centre[q] for q in QUANTITIES], "k_", markersize=26, label="error itself"
+        )
         axis.set(title=NAMES[problem], yscale="log", ylim=(FLOOR, 1e-1))
         axis.set_xticks(np.arange(len(QUANTITIES)), QUANTITIES.values())
         axis.grid(True, axis="y", alpha=0.3)
@@ -116,7 +153,9 @@ def sources(rows):
 
 def pareto(rows):
     """Largest error against seconds: every case of one rank, and those that nothing beats in both."""
-    problems = [problem for problem in COLOURS if any(row["problem"] == problem for row in rows) and problem != "GetFEM"]
+    problems = [
+        problem for problem in COLOURS if any(row["problem"] == problem for row in rows) and problem != "GetFEM"
+    ]
     studies = ("fineness", "degree", "one at a time", "method", "peer")
     if not problems:
         return None
@@ -126,7 +165,9 @@ def pareto(rows):
         points = sorted((row["cpu_s"], row["largest"]) for row in mine)
         if points:
             axis.loglog(*zip(*points), MARKERS[problem], color=COLOURS[problem], alpha=0.3, markersize=4)
-            front = [point for i, point in enumerate(points) if point[1] < min((p[1] for p in points[:i]), default=np.inf)]
+            front = [
+                point for i, point in enumerate(points) if point[1] < min((p[1] for p in points[:i]), default=np.inf)
+            ]
             axis.loglog(*zip(*front), MARKERS[problem] + "-", color=COLOURS[problem], label=NAMES[problem])
     peer = [(row["cpu_s"], row["largest"]) for row in rows if row["problem"] == "GetFEM"]
     if peer:
@@ -143,7 +184,11 @@ def _sorted(rows, key):
 
 def _finest(found, problem, key):
     """The row of ``key``'s level that is furthest on the accurate side of the default, None if there is none."""
-    mine = [(float(level.partition("=")[2]), row) for (p, level), row in found.items() if p == problem and level.startswith(key + "=")]
+    mine = [
+        (float(level.partition("=")[2]), row)
+        for (p, level), row in found.items()
+        if p == problem and level.startswith(key + "=")
+    ]
     if not mine:
         return None
     return (max if key in ("mesh.extent", "solver.increments") else min)(mine, key=lambda pair: pair[0])[1]

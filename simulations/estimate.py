@@ -1,4 +1,6 @@
-"""The error of a run as the run itself can know it: beside the table where there is a closed form, from two meshes otherwise."""
+"""The error of a run as the run itself can know it: beside the table where there is a closed form, from two meshes
+otherwise.
+"""
 
 import numpy as np
 
@@ -58,11 +60,15 @@ def expectation(scene: Scene) -> str:
     sizes = f"facets of {choice.mesh['mesh.facet']:g} a, degree {choice.mesh['mesh.degree']}"
     if scene.has_closed_form:
         return f"accuracy {scene['solver.accuracy']:g}: {sizes}; expected error {choice.error:.1e}"
-    return f"accuracy {scene['solver.accuracy']:g}: {sizes}; no closed form: the error will be estimated on a second mesh"
+    return (
+        f"accuracy {scene['solver.accuracy']:g}: {sizes}; no closed form: the error will be estimated on a second mesh"
+    )
 
 
 def coarser(comm, scene: Scene) -> tuple[Simulation, float]:
-    """The same scene on a coarser mesh of the family, not yet run, and what its errors are over those of the scene's mesh."""
+    """The same scene on a coarser mesh of the family, not yet run, and what its errors are over those of the
+    scene's mesh.
+    """
     choice = accuracy.choose(scene["solver.accuracy"], scene.k)
     levels = accuracy.expected(scene.k)
     other = min(levels, key=lambda level: abs(np.log(level.fineness / (COARSER * choice.fineness))))

@@ -61,7 +61,7 @@ def go(simulation: Simulation, folder, quiet: bool, again: str):
 
 
 def judge(simulation: Simulation, results: Results, folder, progress: Progress):
-    """Say the error found, or estimated where there is no closed form, beside the accuracy asked for; keep it in the summary."""
+    """Say the error found, or estimated where there is no closed form, beside the accuracy asked for; and keep it."""
     scene = simulation.scene
     exact = scene.has_closed_form
     if exact:
@@ -77,7 +77,12 @@ def judge(simulation: Simulation, results: Results, folder, progress: Progress):
     verdict = "within" if largest <= wanted else "NOT within"
     progress.say(f"largest error {largest:.1e} ({name}; {kind}): {verdict} {wanted:g}")
     if comm.rank == 0:
-        results.summary["accuracy"] = {"wanted": wanted, "largest_error": largest, "is_estimate": not exact, "errors": errors}
+        results.summary["accuracy"] = {
+            "wanted": wanted,
+            "largest_error": largest,
+            "is_estimate": not exact,
+            "errors": errors,
+        }
         write_summary(folder / "summary.json", results.summary)
 
 

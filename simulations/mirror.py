@@ -1,7 +1,7 @@
 """The body in parts that do not see each other: its symmetric and its antisymmetric half, where it has a mirror.
 
-On a mesh that is its own mirror image in x = 0 every field is the sum of one whose u_x is odd and one whose u_x is even. Each
-is known from its half x >= 0, and each half has a stiffness of its own.
+On a mesh that is its own mirror image in x = 0 every field is the sum of one whose u_x is odd and one whose u_x is
+even. Each is known from its half x >= 0, and each half has a stiffness of its own.
 """
 
 from dataclasses import dataclass, field
@@ -20,8 +20,8 @@ NONE = np.array([], dtype=int)
 class Part:
     """Unknowns of one half, or of the whole body; numbers are global dofs, sorted.
 
-    dofs: (h,) those on x >= 0; mirrored: (o,) indices in ``dofs`` of those off the axis; images: (o,) their mirror images;
-    signs: (o,) what an image is to them. A whole body has none of these.
+    dofs: (h,) those on x >= 0; mirrored: (o,) indices in ``dofs`` of those off the axis; images: (o,) their mirror
+    images; signs: (o,) what an image is to them. A whole body has none of these.
     """
 
     dofs: np.ndarray

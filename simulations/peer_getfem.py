@@ -1,7 +1,9 @@
-"""The homogeneous loop by GetFEM, on the axes of the study of cost: its augmented Lagrangian with a coupled Coulomb projection.
+"""The homogeneous loop by GetFEM, on the axes of the study of cost: its augmented Lagrangian with a coupled Coulomb
+projection.
 
-Same problem and same graded mesh, P2 displacements and P1 multipliers; the cylinder is a rigid obstacle with the flat surface's normal,
-moved by the two line loads; the far field is prescribed as in this package. GetFEM is not needed for anything else.
+Same problem and same graded mesh, P2 displacements and P1 multipliers; the cylinder is a rigid obstacle with the flat
+surface's normal, moved by the two line loads; the far field is prescribed as in this package. GetFEM is not needed for
+anything else.
 """
 
 import time
@@ -38,14 +40,18 @@ def compare_peer(done: set[str], say) -> list[dict]:
     for t in LEVELS:
         if f"peer/GetFEM/{t:g}" not in done:
             rows.append({"study": "peer", "problem": "GetFEM", "level": f"{t:g}", "ranks": 1} | _measured(getfem, t))
-            say(f"GetFEM {t:g}: {rows[-1].get('failure') or f'{rows[-1]["cpu_s"]:.1f} s CPU, {rows[-1]["largest"]:.1e}'}")
+            say(
+                f"GetFEM {t:g}: {rows[-1].get('failure') or f'{rows[-1]["cpu_s"]:.1f} s CPU, {rows[-1]["largest"]:.1e}'}"
+            )
     return rows
 
 
 def _measured(getfem, t):
     scene = parse(PEER, (f"solver.increments={QUARTER}",))
     scaled = Scaled.of(scene)
-    grading = Grading((0.317, scaled.contact.a), 0.025 * t, 1e-3 * t**2, min(1.3**t, 2.0), 1e-3 * t**2, 1.3 if t < 2 else 1.6)
+    grading = Grading(
+        (0.317, scaled.contact.a), 0.025 * t, 1e-3 * t**2, min(1.3**t, 2.0), 1e-3 * t**2, 1.3 if t < 2 else 1.6
+    )
     grading = Grading(tuple(sorted({*grading.edges, *(-e for e in grading.edges)})), *list(vars(grading).values())[1:])
     programme = rocking(1.0, 0.9 * scene["load.mu"], 1, QUARTER)
     wall, cpu = time.perf_counter(), time.process_time()
@@ -104,7 +110,9 @@ def _loop(getfem, scene, scaled, grading, programme):
         displacement = point_force_displacement(solid, *_below(nodes), fixed_depth=grading.extent, P=P, Q=Q)
         displacement[1] *= -1.0  # up here, into the body there
         model.set_variable("far", displacement.T.ravel())
-        _, converged = model.solve("max_res", TOLERANCE, "max_iter", 60, "lsolver", "mumps", "lsearch", "simplest", "alpha min", 0.2)
+        _, converged = model.solve(
+            "max_res", TOLERANCE, "max_iter", 60, "lsolver", "mumps", "lsearch", "simplest", "alpha min", 0.2
+        )
         if not converged:
             raise RuntimeError(f"not converged at P = {P:g}, Q = {Q:g}")
 
@@ -155,7 +163,10 @@ def _errors(scene, scaled, programme, states):
     solver = half_plane_solver(scene, scaled, Effects(scene))
     exact = solver.run([(1.0, 0.0)] + [increment.load[::-1] for increment in programme])
     last, end = states[-1], exact[-1]
-    field = {name: np.interp(last["x"], end.x, getattr(end, name), left=0.0, right=0.0) for name in ("pressure", "traction", "slip")}
+    field = {
+        name: np.interp(last["x"], end.x, getattr(end, name), left=0.0, right=0.0)
+        for name in ("pressure", "traction", "slip")
+    }
     under = last["weight"] * (field["pressure"] > 0)
     found = {"pressure": relative_l2(last["weight"], last["p"], field["pressure"])}
     found["traction"] = relative_l2(last["weight"], last["q"], field["traction"])

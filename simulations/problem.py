@@ -7,7 +7,7 @@ which the two line loads (Q, P) determine:
 """
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 
 import numpy as np
 import ufl
@@ -246,7 +246,7 @@ class ContactProblem:
         self._interpolate(self.anchor, expression)
 
     def _interpolate(self, field, expression):
-        field.interpolate(expression, cells0=self.body.strip_cells)
+        field.interpolate(expression(), cells0=self.body.strip_cells)
         field.x.scatter_forward()
 
     def _point_values(self, name):
@@ -254,7 +254,8 @@ class ContactProblem:
         return fem.Function(self.body.point_space, name=name)
 
     def _expression(self, value):
-        return fem.Expression(value, self.body.point_space.element.interpolation_points())
+        """``value`` at the surface points, compiled when first wanted: most runs do not want all of them."""
+        return cache(lambda: fem.Expression(value, self.body.point_space.element.interpolation_points()))
 
     def _on_strip(self, form) -> np.ndarray:
         """A linear form on the strip, assembled in place: owned dofs hold the sum over ranks."""

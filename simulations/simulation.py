@@ -37,8 +37,9 @@ class Simulation:
     """
 
     def __init__(self, comm, scene: Scene, cells: Grading | None = None, like: "Simulation | None" = None):
-        """cells: of the mesh, where they are not those of the scene; like: a simulation of the same solid (k, nu, coating), whose mesh,
-        stiffness and compliance this one takes over, whatever its loads, friction and cylinder: it then ends that one.
+        """cells: of the mesh, where they are not those of the scene; like: a simulation of the same solid (k, nu,
+        coating), whose mesh, stiffness and compliance this one takes over, whatever its loads, friction and cylinder:
+        it then ends that one.
         """
         self.scene, self.effects, self.watch = scene, Effects(scene), Stopwatch()
         self.scaled = Scaled.of(scene)
@@ -102,10 +103,17 @@ class Simulation:
     def _take_over(self, other: "Simulation"):
         """The body of ``other``, at rest; ValueError where it is not the same in scaled units."""
         mine, theirs = (
-            (*astuple(s.scaled.modulus), s.scene["solid.nu"], s.scene["mesh.degree"], *(e in s.effects for e in ("symmetry", "incompressibility")))
+            (
+                *astuple(s.scaled.modulus),
+                s.scene["solid.nu"],
+                s.scene["mesh.degree"],
+                *(e in s.effects for e in ("symmetry", "incompressibility")),
+            )
             for s in (self, other)
         )
-        if type(self.scaled.modulus) is not type(other.scaled.modulus) or not np.allclose(mine, theirs, rtol=1e-12, atol=0):
+        if type(self.scaled.modulus) is not type(other.scaled.modulus) or not np.allclose(
+            mine, theirs, rtol=1e-12, atol=0
+        ):
             raise ValueError("another solid: its body cannot be taken over")
         if self.effects.works(self.scene, self.scaled.scales) or other.effects.works(other.scene, other.scaled.scales):
             raise ValueError("effects add to the stiffness: the body cannot be taken over")

@@ -1,9 +1,9 @@
 """The dense Newton step of the condensed problem, on one rank:  (I + T R) df - T e ddelta = b,  sum df = b_load.
 
-T (sparse) is minus the derivative of the contact forces by the strip's displacements, R the response of the strip to contact
-forces and e its rigid translations. From one step to the next only rows of T change whose contact state does, so one matrix
-is inverted and every other is that one with some rows replaced (Woodbury). A node that opens (df = b) or slides (its traction
-is known from its pressure) has a row of one or two entries, and costs no product with R.
+T (sparse) is minus the derivative of the contact forces by the strip's displacements, R the response of the strip to
+contact forces and e its rigid translations. From one step to the next only rows of T change whose contact state does,
+so one matrix is inverted and every other is that one with some rows replaced (Woodbury). A node that opens (df = b) or
+slides (its traction is known from its pressure) has a row of one or two entries, and costs no product with R.
 """
 
 from dataclasses import dataclass

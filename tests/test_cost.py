@@ -1,4 +1,6 @@
-"""What a loop costs, counted: factorisations of the bulk, inverses and products of the dense step. Seconds are in docs/cost.md."""
+"""What a loop costs, counted: factorisations of the bulk, inverses and products of the dense step. Seconds are in
+docs/cost.md.
+"""
 
 import numpy as np
 import pytest
@@ -74,10 +76,14 @@ def test_dense_steps_reuse_what_they_know():
 
 
 def test_a_further_loop_takes_the_body_over():
-    """Other friction, amplitude, load and cylinder on the same solid: no factorisation, the numbers of a run of its own."""
+    """Other friction, amplitude, load and cylinder on the same solid: no factorisation, the numbers of a run of its
+    own.
+    """
     other = DEFAULT_SCENE.replace("mu = 0.3", "mu = 0.5").replace("R = 0.1", "R = 0.2").replace("0.9 ", "0.6 ")
     first = solved()
-    alone = coarse_simulation(other.replace("y0_over_a0 = 10.0", f"y0 = {first.scene['solid.y0']!r}"), cells=first.cells)
+    alone = coarse_simulation(
+        other.replace("y0_over_a0 = 10.0", f"y0 = {first.scene['solid.y0']!r}"), cells=first.cells
+    )
     for _ in alone.run():
         pass
 
