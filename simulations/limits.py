@@ -73,8 +73,8 @@ def check_resolution(scene: Scene, cells: Grading, loop: FrettingLoop | None):
     needed = (STEEPEST * (1 + scene.k) / 0.1) ** (1 / (1 + scene.k / 2))
     if size > needed:
         raise SceneError(
-            f"mesh.{name} = {size:g} is too coarse for k = {scene.k:g}: the tractions end so steeply that they would be "
-            f"off by about {expected_error(scene.k, size):.0%}; {_digit(needed):g} or less keeps that below {STEEPEST:.0%}"
+            f"mesh.{name} = {size:g} is too coarse for k = {scene.k:g}: tractions that end so steeply would be off by "
+            f"about {expected_error(scene.k, size):.0%}; {_digit(needed):g} or less keeps that below {STEEPEST:.0%}"
         )
 
 

@@ -21,8 +21,8 @@ INSIDE = {1: (), 2: (0.5,), 3: (0.5 - 0.5 / 5**0.5, 0.5 + 0.5 / 5**0.5)}  # node
 class Numbering:
     """Places of the nodes on the tensor-product mesh of columns ``x`` (c,) and layers ``s`` (l,).
 
-    Degree d: node (row, column) of the (d (l - 1) + 1, d (c - 1) + 1) vertices and nodes between them. In the mixed form
-    the mean stress follows with its own, of degree d - 1.
+    Degree d: node (row, column) of the (d (l - 1) + 1, d (c - 1) + 1) vertices and nodes between them. In the mixed
+    form the mean stress follows with its own, of degree d - 1.
     """
 
     def __init__(self, body: HalfPlane, x: np.ndarray, s: np.ndarray):
@@ -83,7 +83,8 @@ class Numbering:
 
     def at_vertices(self, whole: np.ndarray) -> np.ndarray:
         """Displacement (n, 2) at the vertices of ``mesh``, from a whole ``state``."""
-        return whole[: 2 * self._s.size * self._x.size].reshape(*self.shape, 2)[:: self._degree, :: self._degree].reshape(-1, 2)
+        step = slice(None, None, self._degree)
+        return whole[: 2 * self._s.size * self._x.size].reshape(*self.shape, 2)[step, step].reshape(-1, 2)
 
     def gather_cells(self, local: np.ndarray) -> np.ndarray | None:
         """Rows (m, ...) of a value a cell, in the order of ``mesh``, on rank 0."""

@@ -84,9 +84,9 @@ def _loop(getfem, scene, scaled, grading, programme):
     model.add_filtered_fem_variable("l", multipliers, CONTACT)
     model.add_variable("d", 2)
     model.set_variable("d", [0.0, -float(scaled.indenter.height(1.0))])
-    for name, value in (
-        ("la", nu * E / (1 + nu) / (1 - 2 * nu)), ("mu", E / 2 / (1 + nu)), ("f", 0.0), ("r", 10.0 * E), ("P", 1.0), ("Q", 0.0), ("pin", 1.0)
-    ):  # fmt: skip
+    lame, shear = nu * E / (1 + nu) / (1 - 2 * nu), E / 2 / (1 + nu)
+    data = {"la": lame, "mu": shear, "f": 0.0, "r": 10.0 * E, "P": 1.0, "Q": 0.0, "pin": 1.0}
+    for name, value in data.items():
         model.add_initialized_data(name, [value])
     curvature = 2.0 * float(scaled.indenter.height(1.0))
     model.add_initialized_data("A", [curvature])

@@ -104,7 +104,7 @@ class Simulation:
         """The body of ``other``, at rest; ValueError where it is not the same in scaled units."""
         mine, theirs = (
             (
-                *astuple(s.scaled.modulus),
+                *astuple(s.scaled.modulus),  # type: ignore[call-overload]
                 s.scene["solid.nu"],
                 s.scene["mesh.degree"],
                 *(e in s.effects for e in ("symmetry", "incompressibility")),

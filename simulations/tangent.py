@@ -87,7 +87,7 @@ class DenseTangent:
         n = self._size // 2
         along, into = np.split(tangent.data, [tangent.indptr[n]])
         columns = np.split(tangent.indices, [tangent.indptr[n]])
-        if self._rigid == 2 and np.array_equal(*columns):
+        if self._rigid == 2 and np.array_equal(columns[0], columns[1]):
             first, length = tangent.indptr[:n], np.diff(tangent.indptr[: n + 1])
             norm = np.add.reduceat(into * into, first)
             ratio[:n] = np.add.reduceat(along * into, first) / np.where(norm > 0, norm, 1.0)
