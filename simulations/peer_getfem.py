@@ -40,9 +40,8 @@ def compare_peer(done: set[str], say) -> list[dict]:
     for t in LEVELS:
         if f"peer/GetFEM/{t:g}" not in done:
             rows.append({"study": "peer", "problem": "GetFEM", "level": f"{t:g}", "ranks": 1} | _measured(getfem, t))
-            say(
-                f"GetFEM {t:g}: {rows[-1].get('failure') or f'{rows[-1]["cpu_s"]:.1f} s CPU, {rows[-1]["largest"]:.1e}'}"
-            )
+            found = rows[-1]
+            say(f"GetFEM {t:g}: " + (found.get("failure") or f"{found['cpu_s']:.1f} s CPU, {found['largest']:.1e}"))
     return rows
 
 
