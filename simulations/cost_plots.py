@@ -147,7 +147,7 @@ def sources(rows):
         axis.grid(True, axis="y", alpha=0.3)
     axes[0][0].set_ylabel("change of the relative error [-]")
     handles, labels = axes[0][0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=6, fontsize=8, frameon=False)
+    figure.legend(handles, labels, loc="outside lower center", ncols=3, fontsize=8, frameon=False)
     return figure
 
 
