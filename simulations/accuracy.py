@@ -65,11 +65,11 @@ def table(path: Path = TABLE) -> tuple[Measured, ...]:
         return tuple(Measured(**{name: float(value) for name, value in row.items()}) for row in csv.DictReader(file))
 
 
-def choose(accuracy: float, k: float) -> Choice:
+def choose(accuracy: float, k: float, amplitude: float = 0.9) -> Choice:
     """The coarsest mesh whose error, with a margin, is ``accuracy``; SceneError with the best there is where none
     is.
     """
-    levels = expected(k)
+    levels = expected(k, amplitude)
     enough = [choice for choice in levels if choice.error <= accuracy]
     if enough:
         return max(enough, key=lambda choice: choice.fineness)
@@ -84,7 +84,7 @@ def choose(accuracy: float, k: float) -> Choice:
     )
 
 
-def expected(k: float) -> list[Choice]:
+def expected(k: float, amplitude: float = 0.9) -> list[Choice]:
     """What every fineness reaches at ``k``, the finest first: the worse of the two gradings measured next to it,
     with the margin.
     """
@@ -96,11 +96,12 @@ def expected(k: float) -> list[Choice]:
         below = 0.0
     if k < 0 <= above:
         above = max(g for g in gradings if g < 0)
+    margin = MARGIN * max(1.0, (0.5 / amplitude) ** 3, 0.1 / (1.0 - amplitude))  # measured at 0.5 and 0.9; W ~ Q_A^3
     choices: list[Choice] = []
     worst = 0.0
     for t in sorted({m.fineness for m in table()}):
         lines = [m for m in table() if m.fineness == t and m.k in (below, above)]
         if {m.k for m in lines} == {below, above}:
             worst = max(worst, *(m.error for m in lines))  # a coarser mesh that happens to be better is luck
-            choices.append(Choice(t, family(t, k), MARGIN * worst, max(m.seconds for m in lines)))
+            choices.append(Choice(t, family(t, k), margin * worst, max(m.seconds for m in lines)))
     return choices

@@ -127,7 +127,7 @@ def sources(rows):
     if not problems:
         return None
     figure, axes = plt.subplots(
-        1, len(problems), figsize=(3.3 * len(problems), 3.8), sharey=True, layout="constrained", squeeze=False
+        1, len(problems), figsize=(max(3.3 * len(problems), 7.0), 3.8), sharey=True, layout="constrained", squeeze=False
     )
     colours = ["#0072B2", "#56B4E9", "#009E73", "#D55E00", "#000000"]
     for axis, problem in zip(axes[0], problems):
@@ -144,7 +144,7 @@ def sources(rows):
         axis.grid(True, axis="y", alpha=0.3)
     axes[0][0].set_ylabel("change of the relative error [-]")
     handles, labels = axes[0][0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=len(labels), frameon=False)
+    figure.legend(handles, labels, loc="outside lower center", ncols=3, fontsize=8, frameon=False)
     return figure
 
 

@@ -56,7 +56,7 @@ class Solved:
 
 def expectation(scene: Scene) -> str:
     """What ``solver.accuracy`` chose and what is expected of it, in words."""
-    choice = accuracy.choose(scene["solver.accuracy"], scene.k)
+    choice = accuracy.choose(scene["solver.accuracy"], scene.k, scene.values.get("load.amplitude", 0.9))
     sizes = f"facets of {choice.mesh['mesh.facet']:g} a, degree {choice.mesh['mesh.degree']}"
     if scene.has_closed_form:
         return f"accuracy {scene['solver.accuracy']:g}: {sizes}; expected error {choice.error:.1e}"
@@ -69,8 +69,8 @@ def coarser(comm, scene: Scene) -> tuple[Simulation, float]:
     """The same scene on a coarser mesh of the family, not yet run, and what its errors are over those of the
     scene's mesh.
     """
-    choice = accuracy.choose(scene["solver.accuracy"], scene.k)
-    levels = accuracy.expected(scene.k)
+    choice = accuracy.choose(scene["solver.accuracy"], scene.k, scene.values.get("load.amplitude", 0.9))
+    levels = accuracy.expected(scene.k, scene.values.get("load.amplitude", 0.9))
     other = min(levels, key=lambda level: abs(np.log(level.fineness / (COARSER * choice.fineness))))
     if other.fineness <= choice.fineness:  # already the coarsest: a finer one tells as much
         other = min(levels, key=lambda level: abs(np.log(level.fineness * COARSER / choice.fineness)))

@@ -7,6 +7,7 @@ anything else.
 """
 
 import time
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -23,26 +24,25 @@ from .scaling import Scaled
 from .scene import parse
 
 CONTACT, FAR = 1, 2
-LEVELS = (4.0, 2.0, 1.4, 1.0)  # facets of 0.025 t half-widths
+LEVELS = (4.0, 2.8, 2.0, 1.4)  # facets of 0.025 t half-widths
 QUARTER = 10  # increments up; forty for the cycle
 TOLERANCE = 1e-8
 MOVE = "[1,0;0,0]*(u-d-s0)"  # slip of the increment
 
 
-def compare_peer(done: set[str], say) -> list[dict]:
+def compare_peer(done: set[str], say) -> Iterator[dict]:
     """Rows of the study for GetFEM, those in ``done`` left out; none, with a message, where it is not installed."""
     try:
         import getfem
     except ImportError:
         say("GetFEM is not installed (python3-getfem): no peer")
-        return []
-    rows = []
+        return
     for t in LEVELS:
         if f"peer/GetFEM/{t:g}" not in done:
-            rows.append({"study": "peer", "problem": "GetFEM", "level": f"{t:g}", "ranks": 1} | _measured(getfem, t))
-            found = rows[-1]
-            say(f"GetFEM {t:g}: " + (found.get("failure") or f"{found['cpu_s']:.1f} s CPU, {found['largest']:.1e}"))
-    return rows
+            row = {"study": "peer", "problem": "GetFEM", "level": f"{t:g}", "ranks": 1} | _measured(getfem, t)
+            said = row.get("failure") or f"{row['cpu_s']:.1f} s CPU, error {row['largest']:.1e}"
+            say(f"GetFEM {t:g}: {said}")
+            yield row
 
 
 def _measured(getfem, t):

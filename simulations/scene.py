@@ -200,7 +200,9 @@ def _choose_mesh(given: dict[str, Any]):
     key, k = "solver.accuracy", given.get("solid.k", 0.0)
     wanted = OWN_KEYS[key].read(key, given[key])
     k = OWN_KEYS["solid.k"].read("solid.k", k) if k else 0.0
-    for name, value in accuracy.choose(wanted, k if given.get("effects.grading", True) else 0.0).mesh.items():
+    k = k if given.get("effects.grading", True) else 0.0
+    amplitude = OWN_KEYS["load.amplitude"].read("load.amplitude", given.get("load.amplitude", 0.9))
+    for name, value in accuracy.choose(wanted, k, amplitude).mesh.items():
         if given.setdefault(name, value) != value:
             raise SceneError(f"{name} = {given[name]!r} is not allowed beside solver.accuracy, which chooses {value:g}")
 
