@@ -52,6 +52,11 @@ class Scene:
         return {key.partition(".")[2]: v for key, v in self.values.items() if key.startswith(name + ".")}
 
     @property
+    def cell_sizes(self) -> dict[str, float]:
+        """What ``mesh.Grading`` takes besides the edges."""
+        return {name: value for name, value in self.section("mesh").items() if name != "degree"}
+
+    @property
     def friction(self) -> bool:
         """True with a tangential problem."""
         return self["effects.friction"]

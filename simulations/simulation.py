@@ -153,8 +153,7 @@ class Simulation:
         scene = self.scene
         loads = [(increment.P, increment.Q) for increment in self.programme]
         edges = expected_edges(scene, self.scaled, self.loop, self.effects, loads)
-        sizes = scene.section("mesh")
-        del sizes["degree"]
+        sizes = scene.cell_sizes
         if not scene.is_power_law:
             sizes["extent"] *= COATED * max(1.0, self.scaled.modulus.thickness)
         return Grading(edges=tuple(sorted({*edges, *(-e for e in edges)})), **sizes)

@@ -131,7 +131,7 @@ class Runs:
         contact = Scaled.of(scene).contact
         edges = [contact.fretting(MU, z=1 - share).c for share in shares] + [contact.a]
         edges = sorted([*edges, *(-e for e in edges)])
-        return Grading(edges=tuple(edges), **scene.section("mesh"))
+        return Grading(edges=tuple(edges), **scene.cell_sizes)
 
 
 def _complete(simulation: Simulation):
