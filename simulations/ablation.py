@@ -5,8 +5,6 @@ runs; they are comparable within one table only.
 """
 
 import argparse
-import csv
-import io
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,8 +13,9 @@ import numpy as np
 from mpi4py import MPI
 
 from .command import run, say
+from .comparison import relative_l2
 from .language import SceneError
-from .output import write_text
+from .output import write_table, write_text
 from .scene import DEFAULT_SCENE, parse
 from .simulation import Simulation
 
@@ -103,8 +102,7 @@ def change(on: Simulation, off: Simulation) -> dict[str, float]:
     for name in ("pressure", "traction"):
         values = getattr(mine, name) * units.stress
         other = np.interp(x, theirs.x * others.length, getattr(theirs, name) * others.stress)
-        norm = mine.weight @ values**2
-        found[name] = float(np.sqrt(mine.weight @ (other - values) ** 2 / norm)) if norm > 0 else np.nan
+        found[name] = relative_l2(mine.weight, other, values)
     energy = on.history.dissipated_energy * units.energy
     found["energy"] = off.history.dissipated_energy * others.energy / energy - 1 if energy > 0 else np.nan
     return found
@@ -146,11 +144,7 @@ def main(arguments: list[str]):
         for overrides in (case.on, case.off):
             Simulation(MPI.COMM_SELF, scene_with(overrides))
     rows, lines = study(given.repeats)
-    table = io.StringIO()
-    writer = csv.DictWriter(table, COLUMNS, lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(rows)
-    write_text(given.output / "ablation.csv", table.getvalue())
+    write_table(given.output / "ablation.csv", rows)
     write_text(given.output / "ablation.md", HEAD + lines)
     say(f"written to {given.output}: ablation.csv, ablation.md")
 

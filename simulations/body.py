@@ -105,13 +105,6 @@ class HalfPlane:
         """A parameter of the forms."""
         return fem.Constant(self.mesh, float(value))
 
-    def displacement(self) -> fem.Function:
-        """The present displacement as a field of its own."""
-        self.complete()
-        field = fem.Function(self.displacements, name="displacement")
-        field.x.array[:] = self.state.x.array[self.dofs.ravel()]
-        return field
-
     def split(self, state):
         """Displacement and mean stress (None unless mixed) of a field or an argument of the forms."""
         return ufl.split(state) if self.mixed else (state, None)
@@ -151,9 +144,8 @@ class HalfPlane:
             self.space = self.displacements = fem.functionspace(self.mesh, element)
             dofs = np.arange(2 * len(self.space.tabulate_dof_coordinates()))
         self.dofs = np.asarray(dofs, dtype=np.int32).reshape(-1, 2)
-        self.point_space = fem.functionspace(
-            self.mesh, ("DG", self.degree)
-        )  # of what surface points remember, cell by cell
+        # of what surface points remember, cell by cell
+        self.point_space = fem.functionspace(self.mesh, ("DG", self.degree))
         self.state = fem.Function(self.space, name="state")
         self.u, self.pi = self.split(self.state)
 

@@ -50,9 +50,10 @@ class Compliance:
         """Rows (n, ...) sorted by x, on every rank, from those of the owned surface nodes."""
         return gathered(self.comm, owned)[self.order]
 
-    def strip_values(self) -> np.ndarray:
-        """The body's state on the strip (r,), on every rank."""
-        return gathered(self.comm, self.body.state.x.array[self._owned])[self._sorted]
+    def strip_values(self, local=None) -> np.ndarray:
+        """Values on the strip (r,), on every rank, of the ranks' ``local`` arrays; of the body's state by default."""
+        local = self.body.state.x.array if local is None else local
+        return gathered(self.comm, local[self._owned])[self._sorted]
 
     def put(self, values: np.ndarray):
         """Rank 0's ``values`` (r,) of the strip into the body's state."""
@@ -168,7 +169,7 @@ class _Half:
 
     def __init__(self, bulk: csr_matrix, inside: csr_matrix, place, definite: bool):
         """inside: rows of the strip's inner dofs, columns those and the interface; place: of bulk and strip dofs."""
-        self._bulk, self._inner, self._interface = place["bulk"], place["inner"], place["interface"]
+        self._bulk, self._inner = place["bulk"], place["inner"]
         self._in_strip = place["inner in strip"], place["interface in strip"]
         self._kept = place["interface in bulk"]
         self._factor = PartialFactor(bulk, self._kept, definite)
@@ -225,7 +226,6 @@ def _extract(body: HalfPlane, part: Part, inner, interface) -> "_Half | None":
     place = {
         "bulk": np.flatnonzero(~is_inner),
         "inner": np.flatnonzero(is_inner),
-        "interface": np.flatnonzero(np.isin(dofs, interface)),
         "inner in strip": np.searchsorted(strip, first),
         "interface in strip": np.searchsorted(strip, last),
         "interface in bulk": np.searchsorted(bulk, last),

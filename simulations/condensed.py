@@ -115,17 +115,9 @@ class CondensedSystem:
 
     def _dense(self):
         """The dense step, on rank 0; None elsewhere."""
-        body = self.problem.body
-        translations = np.stack([self._on_strip(body.translations[i].x.array) for i in self._rigid], axis=1)
+        fields = [self.problem.body.translations[i].x.array for i in self._rigid]
+        translations = np.stack([self.compliance.strip_values(field) for field in fields], axis=1)
         return DenseTangent(self._response, translations, self._sides) if self._is_root else None
-
-    def _on_strip(self, local):
-        """Values (r,) of the strip on every rank from a field that is the same on all of them."""
-        compliance = self.compliance
-        values = np.zeros(len(compliance.strip))
-        for position, part in compliance.comm.allgather((compliance.position, local[compliance.strip_dofs])):
-            values[position] = part
-        return values
 
     def last_forces(self) -> np.ndarray:
         """Contact forces that ``finish`` left, direction by direction, sorted by x."""

@@ -52,9 +52,7 @@ def _run(comm, case, sets):
     scene = parse(case.text, tuple(f"{key}={value}" for key, value in sets.items()))
     comm.Barrier()
     wall, cpu = time.perf_counter(), time.process_time()
-    simulation = Simulation(comm, scene)
-    for _ in simulation.run():
-        pass
+    simulation = Simulation(comm, scene).run_to_end()
     comm.Barrier()
     cpu = comm.allreduce(time.process_time() - cpu)
     return comm.bcast(time.perf_counter() - wall), cpu, simulation

@@ -8,7 +8,6 @@ from analytic.half_plane_linear import ContactNotConverged
 from .effects import Effects
 from .scaling import Scaled
 from .scene import Scene
-from .solid import kernel
 
 NODES = 80  # of the half-plane solver: edges to about 1e-3 of the half-width
 APART = 0.02  # edges closer than this (over the half-width) are one
@@ -18,7 +17,7 @@ MOST = 8  # edges on either side
 def half_plane_solver(scene: Scene, scaled: Scaled, effects: Effects, nodes: int = 300) -> HalfPlaneContact:
     """The mesh-free solver of the same problem, in scaled units."""
     return HalfPlaneContact(
-        kernel(scene, scaled.modulus, scaled.solid),
+        scaled.kernel,
         scaled.indenter,
         mu=scene["load.mu"] if scene.friction else 1.0,
         coupling="coupling" in effects,
@@ -39,7 +38,7 @@ def expected_edges(
     try:
         edges = _rough_edges(scene, scaled, effects, loads)
     except (ContactNotConverged, ValueError):  # no reason to stop: the mesh is only less well graded
-        return (1.0,) if scaled.contact is None else tuple({1.0, scaled.contact.a})
+        return (1.0,)
     return distinct(np.abs(edges[np.isfinite(edges)]), APART)[:MOST]
 
 

@@ -69,9 +69,7 @@ def judge(simulation: Simulation, results: Results, folder, progress: Progress):
     else:
         progress.say("second mesh, for the estimate of the error")
         other, ratio = coarser(comm, scene)
-        for _ in other.run():
-            pass
-        errors = estimated(simulation, other, ratio)
+        errors = estimated(simulation, other.run_to_end(), ratio)
     name, largest = max(((name, abs(value)) for name, value in errors.items()), key=lambda item: item[1])
     wanted, kind = scene["solver.accuracy"], "found" if exact else "estimated, not measured"
     verdict = "within" if largest <= wanted else "NOT within"

@@ -1,6 +1,6 @@
 """The rigid indenter's profile f(x): even and convex, flat for |x| < flat, from the scene's words or a formula.
 
-A formula is read by sympy, so that one text gives the weak form its f and the closed forms their f' and f".
+A formula is read by sympy, so that one text gives the contact terms their f and the closed forms their f' and f".
 """
 
 import ast
@@ -12,7 +12,6 @@ from math import isfinite
 
 import numpy as np
 import sympy
-import ufl
 
 from analytic import PowerProfile, Profile
 
@@ -32,7 +31,6 @@ OPERATIONS: dict[type, Callable] = {
     ast.USub: operator.neg,
     ast.UAdd: operator.pos,
 }
-UFL = {name: getattr(ufl, {"log": "ln"}.get(name, name)) for name in FUNCTIONS}
 
 
 @dataclass(frozen=True)
@@ -50,11 +48,6 @@ class Indenter:
         """f at positions x, numpy."""
         distance = np.maximum(np.abs(np.asarray(x, dtype=float)) - self.flat, 0.0)
         return self._numpy(self.formula)(distance)
-
-    def form(self, x):
-        """f at x as a UFL expression."""
-        distance = abs(x) if self.flat == 0 else ufl.max_value(abs(x) - self.flat, 0.0)
-        return sympy.lambdify(DISTANCE, self.formula, modules=[UFL])(distance)
 
     def analytic(self) -> Profile | PowerProfile:
         """f for the closed forms, with its slope, curvature and the power with which it begins."""

@@ -9,6 +9,8 @@ from analytic import GradedHalfPlane, HalfPlaneContact, PowerProfile
 from analytic.half_plane_linear import ContactNotConverged
 from analytic.half_plane_state import ContactState
 
+from .programme import pressing, rocking
+
 # increments per quarter cycle and nodes of the solver; the next pair is tried where one does not converge
 ATTEMPTS = ((4, 100), (4, 130), (5, 110), (7, 100), (10, 100))
 POINTS = 2001  # at which the energy density is summed up
@@ -16,9 +18,8 @@ POINTS = 2001  # at which the energy density is summed up
 
 def programme(P: float, Q_A: float, quarter: int, cycles: int) -> list[tuple[float, float]]:
     """Loads (P, Q): pressing, first loading to +Q_A, then cycles to -Q_A and back, ``quarter`` steps per Q_A."""
-    up = [Q_A * i / quarter for i in range(1, quarter + 1)]
-    down = [Q_A * (1 - i / quarter) for i in range(1, 2 * quarter + 1)]
-    return [(P, 0.0)] + [(P, Q) for Q in up + cycles * (down + [-Q for Q in down])]
+    increments = pressing(P) + rocking(P, Q_A, cycles, quarter)
+    return [(increment.P, increment.Q) for increment in increments]
 
 
 @dataclass(frozen=True)

@@ -69,14 +69,19 @@ def write_text(path: Path, text: str):
         partial.write_text(text, encoding="utf-8")
 
 
+def write_table(path: Path, rows: list[dict], left_out: tuple[str, ...] = ()):
+    """A CSV file, a column for each key that any row has, in the order in which they come, but those ``left_out``."""
+    names = [name for name in dict.fromkeys(name for row in rows for name in row) if name not in left_out]
+    table = io.StringIO()
+    writer = csv.DictWriter(table, names, extrasaction="ignore", lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    write_text(path, table.getvalue())
+
+
 def write_history(path: Path, history: History, scales: Scales):
     """history.csv, a row an increment."""
-    table = io.StringIO()
-    rows = csv.writer(table, lineterminator="\n")
-    lines = [_row(number, entry, scales, history.friction) for number, entry in enumerate(history.entries)]
-    rows.writerow(lines[0])
-    rows.writerows(line.values() for line in lines)
-    write_text(path, table.getvalue())
+    write_table(path, [_row(number, entry, scales, history.friction) for number, entry in enumerate(history.entries)])
 
 
 def _row(number: int, entry: Entry, scales: Scales, friction: bool) -> dict:

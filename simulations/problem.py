@@ -63,10 +63,9 @@ class ContactProblem:
             gap = contact.gap(u, profile, body.delta)
             pressure = tractions[Y] = contact.contact_pressure(traction, gap, gamma)
             self._pressure = self._expression(pressure)
-            closed = ufl.conditional(ufl.gt(pressure, 0.0), 2.0, 0.0)
         else:
             pressure = self._held_pressure = self._point_values("pressure")
-            closed = ufl.conditional(ufl.gt(pressure, 0.0), 2.0, 0.0)
+        closed = ufl.conditional(ufl.gt(pressure, 0.0), 2.0, 0.0)
         if self.friction:
             self.mu = fem.Constant(body.mesh, 0.0)
             self.anchor = self._point_values("anchor")

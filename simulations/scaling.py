@@ -5,13 +5,14 @@ Lengths are divided by the contact half-width ``a``, stresses by ``P/a`` and dis
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
-from analytic import CylinderContact, GradedHalfPlane, ProfileContact
+from analytic import CylinderContact, GradedHalfPlane, LayeredKernel, ProfileContact
 from forms.modulus import Modulus
 
 from .indenter import Indenter
 from .scene import Scene
-from .solid import modulus, modulus_at, normal_contact
+from .solid import layered_kernel, modulus, modulus_at, normal_contact
 
 
 @dataclass(frozen=True)
@@ -67,3 +68,8 @@ class Scaled:
         indenter = scene.indenter.scaled(scales.length, scales.displacement)
         contact = normal_contact(solid, indenter, 1.0) if scene.is_power_law else None
         return cls(scales, law, solid, indenter, contact)
+
+    @cached_property
+    def kernel(self) -> GradedHalfPlane | LayeredKernel:
+        """What the half-plane solver takes for the solid; a layered one is costly, and made once."""
+        return self.solid if self.contact is not None else layered_kernel(self.modulus, self.solid)

@@ -76,7 +76,6 @@ class Simulation:
         )
         self.body.delta.value[Y] = indenter.height(1.0)  # overlap on |x| < a: where Newton starts
         self.sampler = SurfaceSampler(self.body, normal, scene.friction and "coupling" not in self.effects)
-        self.numbering = Numbering(self.body, *self.ordinates)
         self.resumed = 0  # times
         self.history = History(k=scene.k, mu=self.mu)
 
@@ -149,6 +148,17 @@ class Simulation:
                 strip = f"|x| < {self.cells.strip:.3g} a"
                 raise SolveError(f"the contact reaches the end of the strip {strip} in which it is looked for")
             yield self.history.append(outcome, state, self.watch.last)
+
+    def run_to_end(self) -> "Simulation":
+        """``run``, for those who look at the end alone; the simulation itself."""
+        for _ in self.run():
+            pass
+        return self
+
+    @cached_property
+    def numbering(self) -> Numbering:
+        """Places of the nodes on the mesh, for files."""
+        return Numbering(self.body, *self.ordinates)
 
     def _grading(self) -> Grading:
         """Cell sizes of the scene, graded to where contact and stick zone are expected to end."""

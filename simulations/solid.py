@@ -80,8 +80,6 @@ def modulus(scene: Scene, length: float, stress: float) -> Modulus:
     return Coating(E0, substrate, thickness, kind == "exponential")  # type: ignore[return-value]
 
 
-def kernel(scene: Scene, law: Modulus, solid: GradedHalfPlane) -> GradedHalfPlane | LayeredKernel:
-    """What the half-plane solver takes for the solid, in scaled units; ``solid`` is that of the surface."""
-    if scene.is_power_law:
-        return solid
+def layered_kernel(law: Modulus, solid: GradedHalfPlane) -> LayeredKernel:
+    """What the half-plane solver takes for a coated solid, in scaled units; ``solid`` is that of the surface."""
     return LayeredKernel(law.young, solid, law.thickness, SMALLEST * min(1.0, law.thickness), LARGEST)

@@ -6,7 +6,6 @@ another folder: a case is solved again only where its values changed.
 """
 
 import argparse
-import csv
 import itertools
 import json
 import time
@@ -21,7 +20,7 @@ from .command import comm, on_root, run, say
 from .comparison import compare
 from .energy import EnergyMeter, worst_defect
 from .language import SceneError
-from .output import write_text
+from .output import write_table, write_text
 from .programme import SolveError
 from .reference import ClosedForm, NoReference, of_same_physics
 from .scene import Scene, resolve
@@ -139,14 +138,11 @@ def main(arguments: list[str]):
     comm.Barrier()
     if comm.rank == 0:
         rows = [row for row in map(_read, files.values()) if row is not None]
-        _write_csv(request.output / "stability.csv", rows)
+        write_table(request.output / "stability.csv", rows, left_out=("values",))
         write_text(request.output / "stability.md", table(rows))
         picture(request.output / "stability.png", rows)
+        say(summary(rows) + f"\nwritten to {request.output}: stability.csv, stability.md, stability.png")
     comm.Barrier()
-    say(
-        summary([_read(file) for file in files.values()])
-        + f"\nwritten to {request.output}: stability.csv, stability.md, stability.png"
-    )
 
 
 def _request(arguments):
@@ -164,16 +160,6 @@ def _plain(values):
 
 def _read(file: Path) -> dict | None:
     return json.loads(file.read_text()) if file.exists() else None
-
-
-def _write_csv(path: Path, rows):
-    names = list(dict.fromkeys(name for row in rows for name in row if name != "values"))
-    partial = path.with_name(path.name + ".part")
-    with open(partial, "w", newline="") as file:
-        writer = csv.DictWriter(file, names, extrasaction="ignore")
-        writer.writeheader()
-        writer.writerows(rows)
-    partial.replace(path)
 
 
 if __name__ == "__main__":

@@ -20,10 +20,9 @@ SAME = 1e-13  # relative: rows this close to proportional are
 
 @dataclass
 class Counts:
-    """What was done so far: matrices inverted; systems of replaced rows and their rows, those that needed R apart."""
+    """What was done so far: matrices inverted, rows replaced, and rows that needed R."""
 
     inverses: int = 0
-    replacements: int = 0
     rows: int = 0
     products: int = 0
 
@@ -133,7 +132,6 @@ class DenseTangent:
                 matrix[few:] = self._rest @ inverse[:, rows]
             self._lu, self._pivots, singular = lapack.dgetrf(matrix, overwrite_a=True)
             self._singular = self._singular or bool(singular)
-            self.counts.replacements += 1
             self.counts.rows += len(rows)
 
     def _new_rows(self, x):

@@ -16,10 +16,7 @@ def coarse_simulation(text=DEFAULT_SCENE, cells=None, like=None, **changes) -> S
 
 def solved(text=DEFAULT_SCENE, cells=None, **changes) -> Simulation:
     """The same, run to its end."""
-    simulation = coarse_simulation(text, cells, **changes)
-    for _ in simulation.run():
-        pass
-    return simulation
+    return coarse_simulation(text, cells, **changes).run_to_end()
 
 
 def deviations(simulation: Simulation) -> dict[str, float]:

@@ -194,33 +194,24 @@ def thick_exponents() -> Claim:
     )
 
 
-def _beside_homogeneous(k, depth):
+def _much_greater(sentence, k, depth, setting) -> Claim:
+    """ΔW beside the homogeneous value, over all amplitudes."""
     ratio = curve(k, depth, AMPLITUDES) / curve(0.0, 1.0, AMPLITUDES)
-    return float(ratio.min()), float(ratio.max())
+    low, high = float(ratio.min()), float(ratio.max())
+    found = f"{setting}: {low:.1f} to {high:.1f} times the homogeneous value for Q_A between 0.05 and 0.95 μP"
+    return Claim("5.2", sentence, found, verdict(low > 2), {"low": low, "high": high})
 
 
 def stiff_skin() -> Claim:
     """k < 0 and thin."""
-    low, high = _beside_homogeneous(-0.5, THIN)
-    return Claim(
-        "5.2",
-        "ΔW of a material very stiff up to a small depth is much greater than in the homogeneous medium",
-        f"k = −0.5, y0 = 0.01 a0: {low:.1f} to {high:.1f} times the homogeneous value for Q_A between 0.05 and 0.95 μP",
-        verdict(low > 2),
-        {"low": low, "high": high},
-    )
+    sentence = "ΔW of a material very stiff up to a small depth is much greater than in the homogeneous medium"
+    return _much_greater(sentence, -0.5, THIN, "k = −0.5, y0 = 0.01 a0")
 
 
 def high_exponent() -> Claim:
     """k > 0 and thick."""
-    low, high = _beside_homogeneous(0.5, THICK)
-    return Claim(
-        "5.2",
-        "Large values also occur at high exponents with high characteristic depths",
-        f"k = 0.5, y0 = 10 a0: {low:.1f} to {high:.1f} times the homogeneous value for Q_A between 0.05 and 0.95 μP",
-        verdict(low > 2),
-        {"low": low, "high": high},
-    )
+    sentence = "Large values also occur at high exponents with high characteristic depths"
+    return _much_greater(sentence, 0.5, THICK, "k = 0.5, y0 = 10 a0")
 
 
 def softer() -> Claim:

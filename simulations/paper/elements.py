@@ -89,7 +89,7 @@ class Runs:
         if key not in self._kept:
             scene = self._scene(k, nu, shares[-1], coupling, cycles=0, increments=len(shares))
             simulation = Simulation(self.comm, scene, self._cells(scene, shares))
-            _complete(simulation)
+            simulation.run_to_end()
             loaded = [e for e in simulation.history.entries if e.increment.branch == "initial"]
             fields = [_field(entry, simulation) for entry in loaded]
             self._kept[key] = dict(zip(shares, fields, strict=True))
@@ -100,7 +100,7 @@ class Runs:
         key = ("loop", k, nu, amplitude, coupling)
         if key not in self._kept:
             simulation = Simulation(self.comm, self._scene(k, nu, amplitude, coupling, cycles=1, increments=6))
-            _complete(simulation)
+            simulation.run_to_end()
             states = {}
             for entry in simulation.history.entries:  # A is the end of the first loading, not of the cycle
                 if entry.increment.state and entry.increment.state not in states:
@@ -132,11 +132,6 @@ class Runs:
         edges = [contact.fretting(MU, z=1 - share).c for share in shares] + [contact.a]
         edges = sorted([*edges, *(-e for e in edges)])
         return Grading(edges=tuple(edges), **scene.cell_sizes)
-
-
-def _complete(simulation: Simulation):
-    for _ in simulation.run():
-        pass
 
 
 def _field(entry, simulation: Simulation) -> Field:

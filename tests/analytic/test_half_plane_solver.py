@@ -43,12 +43,9 @@ def error(state, values, expected):
 # -- coupling off: the closed forms --------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("k", "nodes"), [(-0.5, 500), (-0.3, 400), (0.0, 300), (0.3, 300), (0.9, 200)])
-def test_without_coupling_the_closed_forms(k, nodes):
-    """p, q, slip and edges at A, B, C, D, E and the energy of the loop to 1e-4."""
-    contact = CylinderContact(solid_of(k), R, P)
+def assert_closed_forms(states, contact):
+    """States of a loop of eight increments a cycle: p, q, slip and edges at A, B, C, D, E and the energy to 1e-4."""
     exact = contact.fretting(MU, Q_A)
-    states = loop(k, coupling=False, nodes=nodes)
     for index, branch in [(1, "initial"), (2, "unloading"), (3, "unloading"), (4, "unloading"), (5, "unloading")]:
         state = states[index]
         inside = np.abs(state.x) < contact.a
@@ -62,6 +59,14 @@ def test_without_coupling_the_closed_forms(k, nodes):
         assert state.stick == pytest.approx((-d, d), rel=1e-4)
     energy = states[-1].dissipated_energy - states[1].dissipated_energy
     assert energy == pytest.approx(exact.dissipated_energy, rel=1e-4)
+
+
+@pytest.mark.parametrize(("k", "nodes"), [(-0.5, 500), (-0.3, 400), (0.0, 300), (0.3, 300), (0.9, 200)])
+def test_without_coupling_the_closed_forms(k, nodes):
+    """p, q, slip and edges at A, B, C, D, E and the energy of the loop to 1e-4."""
+    contact = CylinderContact(solid_of(k), R, P)
+    states = loop(k, coupling=False, nodes=nodes)
+    assert_closed_forms(states, contact)
 
 
 ROUNDED = Profile(lambda u: u**2 / 2, lambda u: u, np.ones_like, flat=0.4)
@@ -79,21 +84,9 @@ ARC = Profile(  # of radius 5
 def test_other_profiles_without_coupling(profile, a_max, k, nodes):
     """p, q, slip, edges and energy of the loop against the closed forms of any profile."""
     contact = ProfileContact.from_load(solid_of(k), profile, P, a_max=a_max)
-    exact = contact.fretting(MU, Q_A)
     loads = [(P, Q) for Q in (0.0, Q_A, *cycle(8))]
     states = HalfPlaneContact(solid_of(k), profile, MU, coupling=False, nodes=nodes).run(loads)
-    for index, branch in [(1, "initial"), (2, "unloading"), (3, "unloading"), (4, "unloading"), (5, "unloading")]:
-        state = states[index]
-        inside = np.abs(state.x) < contact.a
-        assert error(state, state.pressure, contact.pressure(state.x)) < 1e-4
-        assert error(state, state.traction, exact.traction(state.x, state.Q, branch)) < 1e-4
-        slip = np.where(inside, exact.slip(np.where(inside, state.x, 0.0), state.Q, branch), 0.0)
-        assert error(state, np.where(inside, -state.slip, 0.0), slip) < 1e-4
-        assert state.contact == pytest.approx((-contact.a, contact.a), rel=1e-4)
-        d = exact.active_half_width(state.Q, branch)
-        assert state.stick == pytest.approx((-d, d), rel=1e-4)
-    energy = states[-1].dissipated_energy - states[1].dissipated_energy
-    assert energy == pytest.approx(exact.dissipated_energy, rel=1e-4)
+    assert_closed_forms(states, contact)
 
 
 def test_profile_that_ends_is_refused_by_name():
