@@ -138,7 +138,7 @@ def load(folder: Path) -> Saved:
     cells = {name: value.tolist() for name, value in _part(kept, "cells").items()}
     return Saved(
         scene,
-        Grading(**cells | {"edges": tuple(cells["edges"])}),
+        Grading(**cells | {"edges": tuple(cells["edges"]), "sweeps": tuple(map(tuple, cells["sweeps"]))}),
         states,
         _part(kept, "memory"),
         dict(zip(kept["phases"].tolist(), kept["seconds"].tolist())),

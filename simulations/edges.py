@@ -1,5 +1,7 @@
 """Where contact and stick zone will end, before anything is solved: what the mesh is graded to."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from analytic import FrettingLoop, HalfPlaneContact, contact_edges
@@ -12,6 +14,7 @@ from .scene import Scene
 NODES = 80  # of the half-plane solver: edges to about 1e-3 of the half-width
 APART = 0.02  # edges closer than this (over the half-width) are one
 MOST = 8  # edges on either side
+FIRST = 3  # facets, either side, in the contact of the first increment with friction
 
 
 def half_plane_solver(scene: Scene, scaled: Scaled, effects: Effects, nodes: int = 300) -> HalfPlaneContact:
@@ -26,31 +29,73 @@ def half_plane_solver(scene: Scene, scaled: Scaled, effects: Effects, nodes: int
     )
 
 
+@dataclass(frozen=True)
+class ExpectedEdges:
+    """Places x > 0 where edges turn round, and ways (from, to) of the contact's and of the stick's between them.
+
+    What is at x is at -x too. first: half-width of contact after the first increment, if friction acts in it.
+    """
+
+    edges: tuple[float, ...]
+    contact_way: tuple[float, float] | None = None
+    stick_way: tuple[float, float] | None = None
+    first: float | None = None
+
+    def sweeps(self, k: float, facet: float, edge_facet: float) -> tuple[tuple[float, float, float], ...]:
+        """Intervals (from, to, facet length) over which edges move, on both sides.
+
+        Traction near an edge is like distance^((1+k)/2), which costs size^(1 + k/2)/(1 + k) on facets of this size
+        (``limits.expected_error``): for k < 0 they are made so small that an edge costs twice what it does at k = 0.
+        Where pressure ends too, they come close to ``edge_facet``. The first contact has FIRST facets on either side.
+        """
+        steep = (2 * (1 + min(k, 0.0)) * facet) ** (1 / (1 + min(k, 0.0) / 2))
+        ways = []
+        if self.stick_way and steep < facet:
+            ways.append((*self.stick_way, max(steep, edge_facet)))
+        if self.contact_way:
+            ways.append((*self.contact_way, max(min(steep, edge_facet**0.75 * facet**0.25), edge_facet)))
+        if self.first:
+            ways.append((0.0, 2 * self.first, self.first / FIRST))
+        return tuple(sorted({*ways, *((-right, -left, size) for left, right, size in ways)}))
+
+
 def expected_edges(
     scene: Scene, scaled: Scaled, loop: FrettingLoop | None, effects: Effects, loads: list[tuple[float, float]]
-) -> tuple[float, ...]:
-    """Positions > 0 of edges, from the closed form or, where it is another problem, from a rough half-plane solution.
+) -> ExpectedEdges:
+    """From the closed form or, where it is another problem, from a rough half-plane solution.
 
     loads: (P, Q) of the programme, the first with Q = 0.
     """
     if scene.has_closed_form:
-        return (scaled.contact.a,) if loop is None else (loop.c, scaled.contact.a)
+        a = scaled.contact.a
+        return ExpectedEdges((a,)) if loop is None else ExpectedEdges((loop.c, a), stick_way=(loop.c, a))
     try:
-        edges = _rough_edges(scene, scaled, effects, loads)
+        return _rough_edges(scene, scaled, effects, loads)
     except (ContactNotConverged, ValueError):  # no reason to stop: the mesh is only less well graded
-        return (1.0,)
-    return distinct(np.abs(edges[np.isfinite(edges)]), APART)[:MOST]
+        return ExpectedEdges((1.0,))
 
 
 def _rough_edges(scene, scaled, effects, loads):
-    """Edges of contact and stick, (n,): of a loop where it turns, of other programmes at every load, the last first."""
+    """Of a loop where it turns, of other programmes at every load, the last first."""
     solver = half_plane_solver(scene, scaled, effects, NODES)
     if scene.is_loop:
         Q_A = scene["load.amplitude"] * solver.mu
         first = solver.friction_in_normal_stage
         found = contact_edges(solver.kernel, solver.profile, 1.0, solver.mu, Q_A, solver.coupling, first, NODES)
-        return np.array([*found.contact, *found.stick])
-    return np.array([edge for state in solver.run(loads)[::-1] for edge in (*state.contact, *state.stick)])
+        edges, way = _several([*found.contact, *found.stick]), np.abs(found.contact_range)
+        return ExpectedEdges(
+            edges,
+            contact_way=(float(way.min()), float(way.max())),
+            stick_way=(min(edges), float(way.max())),
+            first=1 / scene["solver.normal_increments"] if first else None,
+        )
+    states = solver.run(loads)[::-1]
+    return ExpectedEdges(_several([edge for state in states for edge in (*state.contact, *state.stick)]))
+
+
+def _several(edges):
+    edges = np.abs(edges)
+    return distinct(edges[np.isfinite(edges)], APART)[:MOST]
 
 
 def distinct(values, apart: float) -> tuple[float, ...]:

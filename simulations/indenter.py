@@ -102,7 +102,7 @@ def from_scene(values) -> Indenter:
     if kind == "parabola":
         return Indenter(x**2 / (2 * R))
     if kind == "circle":
-        return Indenter(R - sympy.sqrt(R**2 - x**2))
+        return Indenter(x**2 / (R + sympy.sqrt(R**2 - x**2)))  # no cancellation for small x
     if kind == "power":
         m = values["indenter.exponent"]
         return Indenter(R * (x / R) ** (int(m) if m == int(m) else m) / m)

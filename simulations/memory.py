@@ -127,6 +127,7 @@ def save(solver: LoadProgramme, numbering: Numbering) -> dict[str, np.ndarray] |
     memory["state"] = numbering.gather(body.state.x.array)
     if problem.friction:
         memory["anchor"] = numbering.gather_points(problem.anchor.x.array)
+        memory["at rest"] = numbering.gather_points(problem.at_rest.x.array)
     if problem is not solver.normal and Y not in problem.directions:
         state, pressure, forces = problem.held()
         at_nodes = np.zeros_like(state.x.array)
@@ -144,6 +145,7 @@ def restore(memory: dict[str, np.ndarray], solver: LoadProgramme, numbering: Num
     body.delta.value[:] = memory["delta"]
     if problem.friction:
         numbering.scatter_points(memory["anchor"], problem.anchor.x.array)
+        numbering.scatter_points(memory["at rest"], problem.at_rest.x.array)
     if problem is not solver.normal and Y not in problem.directions:
         state, pressure, _ = problem.held()
         at_nodes = np.zeros_like(state.x.array)

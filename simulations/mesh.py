@@ -21,7 +21,8 @@ STRIP = 1.25  # half-width, over that of the contact, of the strip where contact
 class Grading:
     """Cell sizes of the mesh, all relative to the contact half-width ``a``.
 
-    edges: positions where pressure or traction end like a root, graded down to ``edge_facet``;
+    edges: positions where pressure or traction end like a root, graded down to ``edge_facet``; sweeps: intervals
+    (from, to, facet length) over which such an edge moves;
     facet: largest facet under the cylinder; growth, layer_growth: ratio of neighbouring columns, layers;
     first_layer: height of the surface cells; extent: half-width and depth of the domain.
     """
@@ -33,6 +34,7 @@ class Grading:
     first_layer: float = 1e-3
     layer_growth: float = 1.3
     extent: float = 20.0
+    sweeps: tuple[tuple[float, float, float], ...] = ()
 
     @property
     def strip(self) -> float:
@@ -44,7 +46,10 @@ class Grading:
         slope = np.log(self.growth)
         to_edge = np.min([np.abs(x - edge) for edge in self.edges], axis=0)
         outside = np.maximum(np.abs(x) - self.strip, 0.0)
-        return np.minimum(self.edge_facet + slope * to_edge, self.facet + slope * outside)
+        sizes = [self.edge_facet + slope * to_edge, self.facet + slope * outside]
+        for left, right, size in self.sweeps:
+            sizes.append(size + slope * np.maximum(np.maximum(left - x, x - right), 0.0))
+        return np.min(sizes, axis=0)
 
 
 def columns(grading: Grading) -> np.ndarray:
@@ -57,6 +62,7 @@ def columns(grading: Grading) -> np.ndarray:
     clouds = [np.linspace(-extent, extent, 4001), 2 * np.linspace(-grading.strip, grading.strip, 4001)]
     offsets = np.geomspace(1e-2 * grading.edge_facet, 2 * extent, 4000)
     clouds += [edge + sign * offsets for edge in grading.edges for sign in (-1, 1)]
+    clouds += [np.linspace(left, right, 1001) for left, right, _ in grading.sweeps]
     x = np.unique(np.concatenate(clouds))
     x = x[np.abs(x) <= extent]
     cells = np.diff(x) / grading.facet_size((x[1:] + x[:-1]) / 2)

@@ -151,8 +151,8 @@ class Newton:
         self._last_force = np.inf
         self._scale, self._norms, self._tolerance = 1.0, (np.inf, np.inf), FORCE_TOLERANCE
         self.confirms = False  # one more iteration after the last, to see whether contact states still change
-        self.holds = False  # whether a step from where every point slides is taken with all of them sticking
-        self._predict, self._states, self._was_singular = None, None, False
+        self.held = None  # a Constant that is 1 in a step from where every point slides: with all of them sticking
+        self._states, self._was_singular = None, False
         self._changes: list[int] = []
         self._seen: dict[bytes, int] = {}
         self.after_linearise = lambda: None  # called with the fields at the iterate
@@ -168,7 +168,7 @@ class Newton:
             predict.value = 1.0
             self._step()
             predict.value = 0.0
-        self._predict, self._states, self._changes, self._seen = predict, None, [], {}
+        self._states, self._changes, self._seen = None, [], {}
         self._was_singular = False
         self.snes.solve(None, self.x)
         code = self.snes.getConvergedReason()
@@ -222,13 +222,13 @@ class Newton:
 
     def _linearise(self, snes, x, jacobian, preconditioner):
         self.system.linearise(x)
-        if self.holds and self._predict is not None:
+        if self.held is not None:
             singular = self.system.is_singular()
             if singular and not self._was_singular:
                 # Every point slides, and nothing but sticking points can hold the cylinder: all stick in this step.
-                self._predict.value = 1.0
+                self.held.value = 1.0
                 self.system.linearise(x)
-                self._predict.value = 0.0
+                self.held.value = 0.0
             self._was_singular = singular
         jacobian.assemble()
         self.after_linearise()

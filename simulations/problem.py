@@ -21,6 +21,8 @@ from forms import contact
 
 from .body import HalfPlane, X, Y
 
+OPEN, BACKWARD, CLOSED, FORWARD = 0, 1, 2, 3  # contact states: sliding along -x, closed or stuck, sliding along +x
+
 
 @dataclass(frozen=True)
 class Nitsche:
@@ -65,17 +67,18 @@ class ContactProblem:
             self._pressure = self._expression(pressure)
         else:
             pressure = self._held_pressure = self._point_values("pressure")
-        closed = ufl.conditional(ufl.gt(pressure, 0.0), 2.0, 0.0)
+        closed = ufl.conditional(ufl.gt(pressure, 0.0), float(CLOSED), float(OPEN))
         if self.friction:
             self.mu = fem.Constant(body.mesh, 0.0)
             self.anchor = self._point_values("anchor")
+            self.at_rest = self._point_values("contact state at rest")
             self.lagged = fem.Constant(body.mesh, 0.0)  # 1: friction is limited by a pressure that is kept
             if Y in directions:
                 self._lagged_pressure = self._point_values("lagged pressure")
                 pressure = ufl.conditional(ufl.gt(self.lagged, 0.5), self._lagged_pressure, pressure)
             s = contact.relative_displacement(u, body.delta)
             trial = contact.trial_traction(traction, s, self.anchor, gamma)
-            self._slid = self._point_values("slid")
+            self._slid, self._rest_values = self._point_values("slid"), self._point_values("rest position")
             limit = self.mu * pressure
             sliding = contact.slides(trial, limit, self._slid)
             self._sliding = self._expression(sliding)
@@ -174,7 +177,7 @@ class ContactProblem:
         return self.contact_forces()[:, direction]
 
     def contact_states(self) -> np.ndarray:
-        """At the surface points of this rank's cells (m,): 0 open, 2 closed or stuck, 3 and 1 sliding along +x, -x."""
+        """At the surface points of this rank's cells (m,): OPEN, CLOSED, FORWARD or BACKWARD."""
         self._interpolate(self._state_values, self._contact_state)
         return self._state_values.x.array[self._surface_points]
 
@@ -204,11 +207,38 @@ class ContactProblem:
 
     def release(self):
         """Start friction here: no tangential traction, and none of the present displacement is slip."""
+        self.contact_states()
+        self.at_rest.x.array[:] = np.where(self._state_values.x.array > OPEN, CLOSED, OPEN)
         self._move_anchor(self._released)
 
     def come_to_rest(self):
         """End an increment: anchor every point where it stopped (return mapping)."""
+        self.contact_states()
+        self.at_rest.x.array[:] = self._state_values.x.array
         self._move_anchor(self._rest)
+
+    def states_at_rest(self) -> np.ndarray:
+        """``contact_states`` when the last increment ended; OPEN before the first."""
+        return self.at_rest.x.array[self._surface_points]
+
+    def rest_positions(self) -> np.ndarray:
+        """Where the surface points of this rank's cells would be anchored now (m,)."""
+        self._interpolate(self._rest_values, self._rest)
+        return self._rest_values.x.array[self._surface_points]
+
+    def move_anchors(self, which: np.ndarray, positions: np.ndarray):
+        """Anchor those surface points of this rank's cells (bool (m,)) at these positions (m,)."""
+        self.anchor.x.array[self._surface_points[which]] = positions[which]
+        self.anchor.x.scatter_forward()
+
+    def surface_abscissae(self) -> tuple[np.ndarray, np.ndarray]:
+        """x of the surface points of this rank's cells (m,), and of the middles of their cells."""
+        body = self.body
+        cells = body.strip_cells[body.strip_cells < body.mesh.topology.index_map(2).size_local]
+        dofs = body.point_space.dofmap.list[cells]
+        x = body.point_space.tabulate_dof_coordinates()[dofs, X]
+        middle = np.broadcast_to(x.mean(axis=1)[:, None], x.shape)
+        return x[self._at_surface], middle[self._at_surface]
 
     def hold_pressure(self, normal: "ContactProblem"):
         """Keep the pressure and the displacement of the normal problem as they are now."""
@@ -235,7 +265,8 @@ class ContactProblem:
         height = body.cell_height.x.array[body.cell_height.function_space.dofmap.list[cells]]
         nodes = fem.locate_dofs_topological(body.displacements, 1, body.strip)
         self._surface_dofs = body.dofs[nodes].ravel()
-        return dofs[depth < height / 4]
+        self._at_surface = depth < height / 4
+        return dofs[self._at_surface]
 
     def _owned(self, direction):
         """Local dofs of one displacement of the nodes that this rank owns."""

@@ -2,14 +2,17 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
+from .newcomers import Newcomers
 from .newton import Newton, NewtonResult, System
 from .problem import ContactProblem, X, Y
 
 MAX_CUTS = 6
 MAX_SWEEPS = 60  # of the fixed point
+SETTLINGS, MAX_SETTLINGS = 3, 8  # solves for where newcomers stopped: more while some of them slide again
 
 
 class SolveError(RuntimeError):
@@ -139,6 +142,10 @@ class LoadProgramme:
             yield Outcome(increment, tuple(results), cuts)
             before = increment
 
+    @cached_property
+    def _newcomers(self):
+        return Newcomers(self.problem)
+
     def _start(self, problem):
         newton = Newton(self._system(problem), self.body.mesh.comm)
         newton.confirms = self.confirms
@@ -169,40 +176,68 @@ class LoadProgramme:
         Appends every solve to ``results`` and returns the number of halvings.
         """
         saved = self._save()
-        predict = self.problem.all_stick if self.problem.friction else None
-        attempts = [lambda: self._newton.solve(after.load, predict)]
-        if self.problem.friction:
-            attempts.append(lambda: self._guarded(after.load, results))
-        if self.problem.directions == (X, Y):
-            attempts.append(lambda: self._fixed_point(after.load, results))
-        failed = None
-        for attempt in attempts:
-            result = attempt()
-            results.append(result)
-            failed = failed or result
-            if result.converged:
-                if self.problem.friction:
-                    self.problem.come_to_rest()
-                return 0
-            self._restore(saved)
+        result, first = self._solve(after.load, results)
+        if result.converged:
+            if self.problem.friction:
+                if after.P > before.P:
+                    self._settle(after.load, results)
+                self.problem.come_to_rest()
+            return 0
+        self._restore(saved)
         if depth == MAX_CUTS:
             raise SolveError(
                 f"no equilibrium between (P, Q) = ({before.P:.4g}, {before.Q:.4g}) and ({after.P:.4g}, {after.Q:.4g}) "
-                f"({after.branch}): {failed.reason}, and at last {result.reason}; force residual "
-                f"{failed.residual:.1e} P after {failed.iterations} iterations and {depth} halvings of the increment, "
-                f"contact states changed in the last iterations: {', '.join(map(str, failed.changes[-4:])) or 'none'}"
+                f"({after.branch}): {first.reason}, and at last {result.reason}; force residual "
+                f"{first.residual:.1e} P after {first.iterations} iterations and {depth} halvings of the increment, "
+                f"contact states changed in the last iterations: {', '.join(map(str, first.changes[-4:])) or 'none'}"
             )
         P = (before.P + after.P) / 2 if Y in self.problem.directions else after.P
         middle = replace(after, P=P, Q=(before.Q + after.Q) / 2, state="")
         cuts = self._advance(before, middle, results, depth + 1)
         return 1 + cuts + self._advance(middle, after, results, depth + 1)
 
+    def _solve(self, load, results: list[NewtonResult]) -> tuple[NewtonResult, NewtonResult]:
+        """The last attempt, converged or not, and the first."""
+        saved = self._save()
+        predict = self.problem.all_stick if self.problem.friction else None
+        attempts = [lambda: self._newton.solve(load, predict)]
+        if self.problem.friction:
+            attempts.append(lambda: self._guarded(load, results))
+        if self.problem.directions == (X, Y):
+            attempts.append(lambda: self._fixed_point(load, results))
+        tried = []
+        for attempt in attempts:
+            tried.append(attempt())
+            results.append(tried[-1])
+            if tried[-1].converged:
+                break
+            self._restore(saved)
+        return tried[-1], tried[0]
+
+    def _settle(self, load, results: list[NewtonResult]):
+        """Find out where points that came to stick as the contact grew did so.
+
+        Not where it moves aside: there that changes as much as it cures, and takes twice the time (measured).
+        """
+        saved = self._save()
+        self._newcomers.begin()
+        for solves in range(MAX_SETTLINGS):
+            if solves >= SETTLINGS and self._newcomers.are_settled():
+                return
+            any_new = self._newcomers.anchor()
+            if not any_new and solves == 0:
+                return
+            if not any_new or not self._solve(load, results)[0].converged:
+                break
+        self._restore(saved)
+        results.append(self._newton.balance(load))
+
     def _guarded(self, load, results: list[NewtonResult]) -> NewtonResult:
         """Newton in which no point turns round without sticking in between, then Newton as it is to confirm."""
         problem, newton = self.problem, self._newton
-        newton.after_linearise, newton.holds = problem.note_sliding, True
+        newton.after_linearise, newton.held = problem.note_sliding, problem.all_stick
         guarded = newton.solve(load, problem.all_stick)
-        newton.after_linearise, newton.holds = lambda: None, False
+        newton.after_linearise, newton.held = lambda: None, None
         problem.forget_sliding()
         if not guarded.converged:
             return guarded
@@ -219,9 +254,9 @@ class LoadProgramme:
         for _ in range(MAX_SWEEPS):
             problem.lag_pressure()
             problem.lagged.value = 1.0
-            self._newton.holds = True
+            self._newton.held = problem.all_stick
             sweep = self._newton.solve(load, predict)
-            problem.lagged.value, self._newton.holds = 0.0, False
+            problem.lagged.value, self._newton.held = 0.0, None
             if not sweep.converged:
                 return replace(sweep, reason=f"in a fixed-point sweep, {sweep.reason}")
             results.append(sweep)
@@ -232,7 +267,7 @@ class LoadProgramme:
         return balance
 
     def _fields(self):
-        return [self.body.state.x] + ([self.problem.anchor.x] if self.problem.friction else [])
+        return [self.body.state.x] + ([self.problem.anchor.x, self.problem.at_rest.x] if self.problem.friction else [])
 
     def _save(self):
         return [f.array.copy() for f in self._fields()], self.body.delta.value.copy()

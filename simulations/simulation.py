@@ -164,13 +164,15 @@ class Simulation:
         """Cell sizes of the scene, graded to where contact and stick zone are expected to end."""
         scene = self.scene
         loads = [(increment.P, increment.Q) for increment in self.programme]
-        edges = expected_edges(scene, self.scaled, self.loop, self.effects, loads)
+        found = expected_edges(scene, self.scaled, self.loop, self.effects, loads)
         sizes = scene.cell_sizes
         if not scene.is_power_law:
             sizes["extent"] *= FARTHER * max(1.0, self.scaled.modulus.thickness)
         elif "coupling" in self.effects and not scene.is_decoupled:
             sizes["extent"] *= FARTHER
-        return Grading(edges=tuple(sorted({*edges, *(-e for e in edges)})), **sizes)
+        edges = {*found.edges, *(-e for e in found.edges)}
+        sweeps = found.sweeps(scene.k, sizes["facet"], sizes["edge_facet"])
+        return Grading(edges=tuple(sorted(edges)), sweeps=sweeps, **sizes)
 
     def _system(self, problem):
         if self.scene["solver.method"] == "full":

@@ -15,6 +15,7 @@ from scipy.sparse import csr_matrix
 from .response import Response
 
 FEW = 0.15  # share of rows that change otherwise before another matrix is inverted
+SOLVED = 1e-6  # relative residual of a step that is worth taking
 SAME = 1e-13  # relative: rows this close to proportional are
 
 
@@ -39,7 +40,8 @@ class DenseTangent:
         self._size = response.columns
         n = self._size // self._rigid
         self._sums = np.hstack([sides * np.kron(np.eye(self._rigid), np.ones(n)), np.zeros((self._rigid, self._rigid))])
-        self._base = None
+        self._base: csr_matrix | None = None
+        self._singular: bool = False
         self.counts = Counts()
 
     def factorise(self, tangent: csr_matrix):
@@ -52,7 +54,11 @@ class DenseTangent:
             if np.count_nonzero(rest) <= FEW * self._size:
                 self._replace(np.flatnonzero(changed & free), np.flatnonzero(changed & sliding), ratio, rest)
                 return
-        self._invert(tangent, free)
+        self._rebase()
+
+    def _rebase(self):
+        free, _, ratio = self._states(self._tangent)
+        self._invert(self._tangent, free)
         none = np.array([], dtype=int)
         self._replace(none, none, ratio, np.zeros(self._size, dtype=bool))
 
@@ -62,9 +68,28 @@ class DenseTangent:
         return bool(self._singular)
 
     def solve(self, b: np.ndarray) -> np.ndarray:
-        """The step (mn + m,) for the right-hand side ``b``; nan where the tangent is singular."""
+        """The step (mn + m,) for the right-hand side ``b``; nan where the tangent is singular.
+
+        Refined once: with E very large at the surface the first answer has digits enough only for the largest forces.
+        Where that does not help the base was no good for this tangent, which then becomes the base itself.
+        """
+        x = self._refined(b)
+        if not self._solves(x, b) and len(self._rows):
+            self._rebase()
+            x = self._refined(b)
+        self._singular = not self._solves(x, b)
+        return np.full_like(b, np.nan) if self._singular else x
+
+    def _refined(self, b):
         if self._singular:
             return np.full_like(b, np.nan)
+        x = self._solve(b)
+        return x + self._solve(b - self.multiply(x))
+
+    def _solves(self, x, b):
+        return np.all(np.isfinite(x)) and np.abs(b - self.multiply(x)).max() <= SOLVED * np.abs(b).max()
+
+    def _solve(self, b):
         rows, right = self._rows, b.copy()
         right[rows] = 0.0
         if not len(rows):

@@ -6,7 +6,7 @@ import h5py
 import numpy as np
 import pytest
 from conftest import ROOT, coarse_arguments, run_command
-from solving import coarse_simulation, deviations, solved
+from solving import coarse_simulation, deviations, of_the_closed_form, solved
 
 from simulations import reference
 from simulations.comparison import compare
@@ -149,8 +149,7 @@ def test_a_coupled_loop_needs_the_guard_against_turning_round(monkeypatch):
         "mesh__first_layer": 4e-3,
     }
     hard |= {"mesh__growth": 1.5, "mesh__layer_growth": 1.5, "solver__increments": 6}
-    # graded to the edges of the uncoupled contact, a mesh that makes it hard
-    monkeypatch.setattr("simulations.simulation.expected_edges", lambda scene, scaled, loop, *rest: (loop.c, loop.a))
+    monkeypatch.setattr("simulations.simulation.expected_edges", of_the_closed_form)
     monkeypatch.setattr("simulations.programme.MAX_CUTS", 0)
     solved(**hard)
     monkeypatch.setattr(LoadProgramme, "_guarded", LoadProgramme._fixed_point)

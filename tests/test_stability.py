@@ -8,7 +8,7 @@ import pytest
 from conftest import coarse_arguments, run_command
 from solving import coarse_simulation, solved
 
-from simulations import body, checks, effects, newton, stability
+from simulations import body, checks, edges, effects, newton, stability, tangent
 from simulations.energy import EnergyMeter, worst_defect
 from simulations.language import SceneError
 from simulations.limits import expected_error
@@ -73,6 +73,38 @@ def test_a_cycle_ends_at_once(monkeypatch):
     quick = iterations(**scene)
     monkeypatch.setattr(newton, "ROUNDS", 10**9)
     assert iterations(**scene) > 2 * quick
+
+
+def wiggles(**changes) -> float:
+    """Of pressure or traction, the most of all states of a loop."""
+    simulation = solved(**changes)
+    found = checks.check(simulation.history, simulation.scaled.indenter.height, True)
+    return max(found[name].value for name in ("pressure wiggles", "traction wiggles"))
+
+
+def test_newcomers_stop_where_their_edge_passed(monkeypatch):
+    """Pressed on with friction: anchored all where the increment began they leave a tooth of traction an increment."""
+    pressed = {"solid__nu": 0.3, "effects__friction_in_normal_stage": "true", "load__cycles": 0}
+    assert wiggles(**pressed) < checks.WIGGLES
+    monkeypatch.setattr("simulations.programme.SETTLINGS", 0)
+    assert wiggles(**pressed) > 2 * checks.WIGGLES
+
+
+def test_mesh_is_fine_where_steep_edges_move(monkeypatch):
+    steep = {"solid__nu": 0.3, "solid__k": -0.7, "mesh__edge_facet": 0.01, "mesh__facet": 0.05, "mesh__growth": 1.3}
+    assert wiggles(**steep) < checks.WIGGLES
+    monkeypatch.setattr(edges.ExpectedEdges, "sweeps", lambda *sizes: ())
+    assert wiggles(**steep) > 2 * checks.WIGGLES
+
+
+def test_steps_are_refined(monkeypatch):
+    """Box-like pressure on fine facets: forces of 1e7 P cancel in the first step."""
+    box = {"solid__k": -0.9, "solid__nu": 0.3, "mesh__facet": 0.05, "mesh__edge_facet": 5e-3, "mesh__first_layer": 5e-3}
+    solved(**box, load__cycles=0)
+    monkeypatch.setattr(tangent.DenseTangent, "_refined", lambda self, b: self._solve(b))
+    monkeypatch.setattr(tangent, "SOLVED", np.inf)
+    with pytest.raises(SolveError):
+        solved(**box, load__cycles=0)
 
 
 def test_thin_cells_are_kept():
