@@ -96,10 +96,6 @@ class CondensedSystem:
         self._offset[:] = 0.0
         self._has_offset = False
 
-    def is_singular(self) -> bool:
-        """Whether the cylinder is free to move at the last ``linearise``."""
-        return self._comm.bcast(self.dense.is_singular if self._is_root else None)
-
     def multiply(self, x, y):
         """y = J x."""
         if self._is_root:

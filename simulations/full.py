@@ -66,10 +66,6 @@ class FullSystem:
             response.axpy(-value, z)
         self._join(response, rigid, x)
 
-    def is_singular(self) -> bool:
-        """Whether the cylinder is free to move at the last ``linearise``."""
-        return not np.linalg.det(self._schur)
-
     def multiply(self, x, y):
         """y = J x."""
         bulk, rigid = self._split(x)

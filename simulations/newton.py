@@ -79,9 +79,6 @@ class System(Protocol):
     def take_up(self, forces: np.ndarray):
         """Go on from fields that an earlier run's ``finish`` left with these forces."""
 
-    def is_singular(self) -> bool:
-        """Whether the last ``linearise`` found the cylinder free to move: every point slides."""
-
     @property
     def problem(self) -> ContactProblem:
         """The contact problem behind the system."""
@@ -151,8 +148,7 @@ class Newton:
         self._last_force = np.inf
         self._scale, self._norms, self._tolerance = 1.0, (np.inf, np.inf), FORCE_TOLERANCE
         self.confirms = False  # one more iteration after the last, to see whether contact states still change
-        self.held = None  # a Constant that is 1 in a step from where every point slides: with all of them sticking
-        self._states, self._was_singular = None, False
+        self._states = None
         self._changes: list[int] = []
         self._seen: dict[bytes, int] = {}
         self.after_linearise = lambda: None  # called with the fields at the iterate
@@ -169,7 +165,6 @@ class Newton:
             self._step()
             predict.value = 0.0
         self._states, self._changes, self._seen = None, [], {}
-        self._was_singular = False
         self.snes.solve(None, self.x)
         code = self.snes.getConvergedReason()
         if code > 0 and self.confirms:
@@ -222,14 +217,6 @@ class Newton:
 
     def _linearise(self, snes, x, jacobian, preconditioner):
         self.system.linearise(x)
-        if self.held is not None:
-            singular = self.system.is_singular()
-            if singular and not self._was_singular:
-                # Every point slides, and nothing but sticking points can hold the cylinder: all stick in this step.
-                self.held.value = 1.0
-                self.system.linearise(x)
-                self.held.value = 0.0
-            self._was_singular = singular
         jacobian.assemble()
         self.after_linearise()
 

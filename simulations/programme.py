@@ -235,9 +235,9 @@ class LoadProgramme:
     def _guarded(self, load, results: list[NewtonResult]) -> NewtonResult:
         """Newton in which no point turns round without sticking in between, then Newton as it is to confirm."""
         problem, newton = self.problem, self._newton
-        newton.after_linearise, newton.held = problem.note_sliding, problem.all_stick
+        newton.after_linearise = problem.note_sliding
         guarded = newton.solve(load, problem.all_stick)
-        newton.after_linearise, newton.held = lambda: None, None
+        newton.after_linearise = lambda: None
         problem.forget_sliding()
         if not guarded.converged:
             return guarded
@@ -254,9 +254,8 @@ class LoadProgramme:
         for _ in range(MAX_SWEEPS):
             problem.lag_pressure()
             problem.lagged.value = 1.0
-            self._newton.held = problem.all_stick
             sweep = self._newton.solve(load, predict)
-            problem.lagged.value, self._newton.held = 0.0, None
+            problem.lagged.value = 0.0
             if not sweep.converged:
                 return replace(sweep, reason=f"in a fixed-point sweep, {sweep.reason}")
             results.append(sweep)

@@ -62,11 +62,6 @@ class DenseTangent:
         none = np.array([], dtype=int)
         self._replace(none, none, ratio, np.zeros(self._size, dtype=bool))
 
-    @property
-    def is_singular(self) -> bool:
-        """Whether ``factorise`` found the cylinder free to move."""
-        return bool(self._singular)
-
     def solve(self, b: np.ndarray) -> np.ndarray:
         """The step (mn + m,) for the right-hand side ``b``; nan where the tangent is singular.
 

@@ -40,7 +40,7 @@ def test_increments_start_with_all_points_sticking(monkeypatch):
     with_predictor = iterations()
     solve = newton.Newton.solve
     monkeypatch.setattr(newton.Newton, "solve", lambda self, load, predict=None: solve(self, load))
-    assert iterations() > 1.4 * with_predictor
+    assert iterations() > 1.2 * with_predictor
 
 
 def test_near_incompressibility_chatters_without_the_mean_stress(monkeypatch):
@@ -59,20 +59,21 @@ def test_tolerance_follows_round_off(monkeypatch):
         solved(**thin)
 
 
-def test_all_points_sliding_does_not_end_the_run():
-    """Pressed on with friction, few points are in contact at first, and all of them slide in an iterate."""
-    scene = {"solid__k": -0.5, "solid__nu": 0.3, "effects__friction_in_normal_stage": "true"}
+def test_first_contact_has_facets_enough(monkeypatch):
+    """Pressed on with little friction, all of a few points slide at first, and nothing holds the cylinder."""
+    scene = {"solid__k": -0.5, "solid__nu": 0.3, "load__mu": 0.01, "effects__friction_in_normal_stage": "true"}
     simulation = solved(**scene)
     assert len(simulation.history.entries) == len(simulation.programme)
-    with pytest.raises(SolveError, match="singular"):  # the full method has no way round it
-        solved(**scene, solver__method="full")
+    monkeypatch.setattr(edges, "FIRST", 0.5)
+    with pytest.raises(SolveError, match="singular"):
+        solved(**scene)
 
 
 def test_a_cycle_ends_at_once(monkeypatch):
     scene = {"solid__nu": 0.3, "effects__friction_in_normal_stage": "true"}
     quick = iterations(**scene)
     monkeypatch.setattr(newton, "ROUNDS", 10**9)
-    assert iterations(**scene) > 2 * quick
+    assert iterations(**scene) > 1.3 * quick
 
 
 def wiggles(**changes) -> float:
