@@ -40,13 +40,11 @@ class Entry:
 def frictional_work(before: SurfaceState, after: SurfaceState) -> float:
     """Energy dissipated in an increment:  -∫ q Δs dx  with the mean of the pressures before and after in q = ±mu p.
 
-    A point slides at its limit, however late in the increment it began to; only the limit may change meanwhile. One
-    that was open before slides half the way on average.
+    A point slides at its limit, however late in the increment it began to; only the limit may change meanwhile.
     """
     moved = after.relative_displacement - before.relative_displacement
     pressure = np.where(after.pressure > 0, after.pressure, np.inf)
-    share = np.where(before.pressure > 0, (1 + before.pressure / pressure) / 2, 0.25)
-    return -after.line_load(after.traction * moved * share)
+    return -after.line_load(after.traction * moved * (1 + before.pressure / pressure) / 2)
 
 
 @dataclass

@@ -179,7 +179,7 @@ class LoadProgramme:
         result, first = self._solve(after.load, results)
         if result.converged:
             if self.problem.friction:
-                if after.P > before.P:
+                if after.branch == "normal":
                     self._settle(after.load, results)
                 self.problem.come_to_rest()
             return 0
@@ -215,7 +215,7 @@ class LoadProgramme:
         return tried[-1], tried[0]
 
     def _settle(self, load, results: list[NewtonResult]):
-        """Find out where points that came to stick as the contact grew did so.
+        """Find out where points that came to stick as the contact grew under P alone did so.
 
         Not where it moves aside: there that changes as much as it cures, and takes twice the time (measured).
         """
