@@ -16,7 +16,8 @@ class EdgeEstimate:
 
     contact, stick: at +Q_A at the end of the cycle; contact_reverse, stick_reverse: at -Q_A before. contact_range,
     stick_range: shape (2, 2), for the left and the right edge the least and the greatest place between ±Q_A; stick's
-    at the ends of the branches only: in between it starts anew at the edge of contact.
+    at the ends of the branches only: in between it starts anew at the edge of contact. contact_states, stick_states:
+    shape (4 steps + 1, 2), at all states of the cycle.
     """
 
     contact: tuple[float, float]
@@ -25,6 +26,8 @@ class EdgeEstimate:
     stick_reverse: tuple[float, float]
     contact_range: np.ndarray
     stick_range: np.ndarray
+    contact_states: np.ndarray
+    stick_states: np.ndarray
 
 
 def contact_edges(
@@ -56,4 +59,6 @@ def contact_edges(
         stick_reverse=ends[1].stick,
         contact_range=np.array([contact.min(axis=0), contact.max(axis=0)]).T,
         stick_range=np.array([stick.min(axis=0), stick.max(axis=0)]).T,
+        contact_states=contact,
+        stick_states=np.array([state.stick for state in cycle]),
     )

@@ -13,7 +13,7 @@ from .scene import Scene
 
 NODES = 80  # of the half-plane solver: edges to about 1e-3 of the half-width
 APART = 0.02  # edges closer than this (over the half-width) are one
-MOST = 8  # edges on either side
+MOST = 20  # edges on either side
 FIRST = 3  # facets, either side, in the contact of the first increment with friction
 
 
@@ -68,7 +68,11 @@ def expected_edges(
     """
     if scene.has_closed_form:
         a = scaled.contact.a
-        return ExpectedEdges((a,)) if loop is None else ExpectedEdges((loop.c, a), stick_way=(loop.c, a))
+        if loop is None:
+            return ExpectedEdges((a,))
+        shares = (0.5, 0.0, -0.5) if scene["mesh.edges"] == "states" else ()
+        between = [loop.active_half_width(share * loop.Q_A, "unloading") for share in shares]
+        return ExpectedEdges((loop.c, a, *between), stick_way=(loop.c, a))
     try:
         return _rough_edges(scene, scaled, effects, loads)
     except (ContactNotConverged, ValueError):  # no reason to stop: the mesh is only less well graded
@@ -82,7 +86,11 @@ def _rough_edges(scene, scaled, effects, loads):
         Q_A = scene["load.amplitude"] * solver.mu
         first = solver.friction_in_normal_stage
         found = contact_edges(solver.kernel, solver.profile, 1.0, solver.mu, Q_A, solver.coupling, first, NODES)
-        edges, way = _several([*found.contact, *found.stick]), np.abs(found.contact_range)
+        # the first loading's edges of stick lie inside the later ones, where nothing smooths what it left
+        ends, way = [*found.contact, *found.stick, *found.stick_range.ravel()], np.abs(found.contact_range)
+        if scene["mesh.edges"] == "states":
+            ends += [*found.contact_states.ravel(), *found.stick_states.ravel()]
+        edges = _several(ends)
         return ExpectedEdges(
             edges,
             contact_way=(float(way.min()), float(way.max())),

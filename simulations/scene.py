@@ -54,7 +54,7 @@ class Scene:
     @property
     def cell_sizes(self) -> dict[str, float]:
         """What ``mesh.Grading`` takes besides the edges."""
-        return {name: value for name, value in self.section("mesh").items() if name != "degree"}
+        return {name: value for name, value in self.section("mesh").items() if name not in ("degree", "edges")}
 
     @property
     def friction(self) -> bool:

@@ -38,6 +38,8 @@ OWN_KEYS: dict[str, Key] = {
     "mesh.layer_growth": Key(1.02, 3.0, 1.3, closed=(True, True)),
     "mesh.extent": Key(4.0, 1e4, 20.0, closed=(True, True)),
     "mesh.degree": Key(1, 3, 2, int, (True, True)),  # of the displacements
+    # where the mesh is fine: at edges where the load turns, or at those of all states A to E of Figure 11
+    "mesh.edges": Key(kind=str, default="turns", choices=("turns", "states")),
     "solver.method": Key(kind=str, default="condensed", choices=("condensed", "full")),
     "solver.normal_increments": Key(1, 1000, 20, int, (True, True)),  # with friction in the normal stage
     "solver.increments": Key(1, 1000, 6, int, (True, True)),  # per quarter cycle, or from point to point
