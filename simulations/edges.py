@@ -53,7 +53,7 @@ class ExpectedEdges:
         if self.stick_way and steep < facet:
             ways.append((*self.stick_way, max(steep, edge_facet)))
         if self.contact_way:
-            ways.append((*self.contact_way, max(min(steep, edge_facet**0.75 * facet**0.25), edge_facet)))
+            ways.append((*self.contact_way, max(min(steep, edge_facet**0.9 * facet**0.1), edge_facet)))
         if self.first:
             ways.append((0.0, 2 * self.first, self.first / FIRST))
         return tuple(sorted({*ways, *((-right, -left, size) for left, right, size in ways)}))
