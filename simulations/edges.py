@@ -8,6 +8,7 @@ from analytic import FrettingLoop, HalfPlaneContact, contact_edges
 from analytic.half_plane_linear import ContactNotConverged
 
 from .effects import Effects
+from .limits import expected_error, size_for
 from .scaling import Scaled
 from .scene import Scene
 
@@ -44,11 +45,10 @@ class ExpectedEdges:
     def sweeps(self, k: float, facet: float, edge_facet: float) -> tuple[tuple[float, float, float], ...]:
         """Intervals (from, to, facet length) over which edges move, on both sides.
 
-        Traction near an edge is like distance^((1+k)/2), which costs size^(1 + k/2)/(1 + k) on facets of this size
-        (``limits.expected_error``): for k < 0 they are made so small that an edge costs twice what it does at k = 0.
+        For k < 0 traction ends the more steeply: facets are so small that an edge costs twice what it does at k = 0.
         Where pressure ends too, they come close to ``edge_facet``. The first contact has FIRST facets on either side.
         """
-        steep = (2 * (1 + min(k, 0.0)) * facet) ** (1 / (1 + min(k, 0.0) / 2))
+        steep = size_for(2 * expected_error(0.0, facet), min(k, 0.0))
         ways = []
         if self.stick_way and steep < facet:
             ways.append((*self.stick_way, max(steep, edge_facet)))

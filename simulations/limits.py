@@ -70,7 +70,7 @@ def check_resolution(scene: Scene, cells: Grading, loop: FrettingLoop | None):
     if scene.k >= 0:
         return
     name, size = max(("edge_facet", facet), ("first_layer", cells.first_layer), key=lambda entry: entry[1])
-    needed = (STEEPEST * (1 + scene.k) / 0.1) ** (1 / (1 + scene.k / 2))
+    needed = size_for(STEEPEST, scene.k)
     if size > needed:
         raise SceneError(
             f"mesh.{name} = {size:g} is too coarse for k = {scene.k:g}: tractions that end so steeply would be off by "
@@ -84,6 +84,11 @@ def expected_error(k: float, size: float) -> float:
     The distance's power leaves size^(1 + k/2); the factor is fitted to loops from k = -0.9 to 0.
     """
     return 0.1 / (1 + k) * size ** (1 + k / 2)
+
+
+def size_for(error: float, k: float) -> float:
+    """The inverse of ``expected_error``: cells, over a, on which a traction ends with this error."""
+    return (error * (1 + k) / 0.1) ** (1 / (1 + k / 2))
 
 
 def check_round_off(scene: Scene, cells: Grading, problem: ContactProblem):

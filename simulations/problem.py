@@ -207,8 +207,6 @@ class ContactProblem:
 
     def release(self):
         """Start friction here: no tangential traction, and none of the present displacement is slip."""
-        self.contact_states()
-        self.at_rest.x.array[:] = np.where(self._state_values.x.array > OPEN, CLOSED, OPEN)
         self._move_anchor(self._released)
 
     def come_to_rest(self):

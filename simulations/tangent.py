@@ -69,11 +69,13 @@ class DenseTangent:
         Where that does not help the base was no good for this tangent, which then becomes the base itself.
         """
         x = self._refined(b)
-        if not self._solves(x, b) and len(self._rows):
+        solved = self._solves(x, b)
+        if not solved and len(self._rows):
             self._rebase()
             x = self._refined(b)
-        self._singular = not self._solves(x, b)
-        return np.full_like(b, np.nan) if self._singular else x
+            solved = self._solves(x, b)
+        self._singular = not solved
+        return x if solved else np.full_like(b, np.nan)
 
     def _refined(self, b):
         if self._singular:
