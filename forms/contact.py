@@ -13,6 +13,8 @@ by ``rest_position`` (a return mapping), so that an increment without load chang
 
 import ufl
 
+HELD = 2.0  # in ``slides``: a point that does not slide whatever its traction
+
 
 def gap(u, profile, delta):
     """Normal distance  f(x) + u_y - delta_y  between surface and cylinder; negative is overlap."""
@@ -39,11 +41,16 @@ def slides(trial, limit, before):
     """Where a point slides: 1 along +x, -1 along -x, 0 where it sticks.
 
     before: where it slid in the last Newton iterate. A point does not turn from sliding one way to sliding the other
-    at once but sticks in between; 0 everywhere for Coulomb's law as it is.
+    at once but sticks in between, and one that is HELD does not slide at all; 0 everywhere for Coulomb's law as it is.
     """
-    forward = ufl.And(ufl.gt(trial, limit), ufl.gt(before, -0.5))
+    forward = ufl.And(ufl.gt(trial, limit), ufl.And(ufl.gt(before, -0.5), ufl.lt(before, (1.0 + HELD) / 2)))
     backward = ufl.And(ufl.lt(trial, -limit), ufl.lt(before, 0.5))
     return ufl.conditional(forward, 1.0, ufl.conditional(backward, -1.0, 0.0))
+
+
+def slip_beyond_limit(trial, limit, gamma):
+    """How far beyond the limit of friction a sliding point is:  (|trial| - mu p)/gamma ; negative where it sticks."""
+    return (abs(trial) - limit) / gamma
 
 
 def coulomb(trial, pressure, limit, sliding, all_stick):

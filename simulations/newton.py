@@ -152,6 +152,7 @@ class Newton:
         self._changes: list[int] = []
         self._seen: dict[bytes, int] = {}
         self.after_linearise = lambda: None  # called with the fields at the iterate
+        self.after_residual = lambda: False  # likewise; True where it changed the problem, whose residual is renewed
 
     def solve(self, load, predict=None) -> NewtonResult:
         """Balance the line loads ``(Q, P)``, P > 0.
@@ -213,6 +214,8 @@ class Newton:
 
     def _residual(self, snes, x, f):
         force, imbalance = self.system.residual(x, f)
+        if self.after_residual():
+            force, imbalance = self.system.residual(x, f)
         self._norms = (force / self._scale, imbalance / self._scale)
 
     def _linearise(self, snes, x, jacobian, preconditioner):

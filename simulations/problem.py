@@ -82,6 +82,7 @@ class ContactProblem:
             limit = self.mu * pressure
             sliding = contact.slides(trial, limit, self._slid)
             self._sliding = self._expression(sliding)
+            self._beyond = self._expression(contact.slip_beyond_limit(trial, limit, gamma))
             closed = ufl.conditional(ufl.gt(closed, 1.0), closed + sliding, 0.0)
             tractions[X] = contact.coulomb(trial, pressure, limit, sliding, self.all_stick)
             self._rest = self._expression(contact.rest_position(traction, s, tractions[X], gamma))
@@ -198,6 +199,16 @@ class ContactProblem:
     def note_sliding(self):
         """Remember where points slide now: until ``forget_sliding`` none turns round without sticking in between."""
         self._interpolate(self._slid, self._sliding)
+
+    def slip_beyond_limit(self) -> np.ndarray:
+        """How far the surface points of this rank's cells slide beyond where friction stops them (m,)."""
+        self._interpolate(self._rest_values, self._beyond)
+        return self._rest_values.x.array[self._surface_points]
+
+    def hold(self, which: np.ndarray):
+        """Let those surface points of this rank's cells (bool (m,)) not slide until ``forget_sliding``."""
+        self._slid.x.array[self._surface_points[which]] = contact.HELD
+        self._slid.x.scatter_forward()
 
     def forget_sliding(self):
         """Coulomb's law as it is."""

@@ -6,6 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
+from .held_point import HeldPoint
 from .newcomers import Newcomers
 from .newton import Newton, NewtonResult, System
 from .problem import ContactProblem, X, Y
@@ -146,6 +147,10 @@ class LoadProgramme:
     def _newcomers(self):
         return Newcomers(self.problem)
 
+    @cached_property
+    def _held_point(self):
+        return HeldPoint(self.problem)
+
     def _start(self, problem):
         newton = Newton(self._system(problem), self.body.mesh.comm)
         newton.confirms = self.confirms
@@ -233,12 +238,16 @@ class LoadProgramme:
         results.append(self._newton.balance(load))
 
     def _guarded(self, load, results: list[NewtonResult]) -> NewtonResult:
-        """Newton in which no point turns round without sticking in between, then Newton as it is to confirm."""
+        """Newton in which no point turns round without sticking in between, then Newton as it is to confirm.
+
+        One point sticks at least: where all would slide, one is held.
+        """
         problem, newton = self.problem, self._newton
-        newton.after_linearise = problem.note_sliding
+        newton.after_linearise, newton.after_residual = problem.note_sliding, self._held_point.update
         guarded = newton.solve(load, problem.all_stick)
-        newton.after_linearise = lambda: None
+        newton.after_linearise, newton.after_residual = lambda: None, lambda: False
         problem.forget_sliding()
+        self._held_point.release()
         if not guarded.converged:
             return guarded
         results.append(guarded)

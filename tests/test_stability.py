@@ -6,13 +6,18 @@ import json
 import numpy as np
 import pytest
 from conftest import coarse_arguments, run_command
+from mpi4py import MPI
 from solving import coarse_simulation, solved
 
 from simulations import body, checks, edges, effects, newton, stability, tangent
 from simulations.energy import EnergyMeter, worst_defect
+from simulations.held_point import HeldPoint
 from simulations.language import SceneError
 from simulations.limits import expected_error
 from simulations.programme import SolveError
+from simulations.scene import resolve
+from simulations.simulation import Simulation
+from simulations.stability import read_cases
 from simulations.stability_report import GREEN, REFUSED
 
 UNCOUPLED = {"effects__coupling": "false", "solid__nu": 0.3}
@@ -106,6 +111,20 @@ def test_steps_are_refined(monkeypatch):
     monkeypatch.setattr(tangent, "SOLVED", np.inf)
     with pytest.raises(SolveError):
         solved(**box, load__cycles=0)
+
+
+def test_last_point_that_sticks_is_held(monkeypatch):
+    """Under a constant Q the contact shrinks until all but one point slide, towards each other."""
+    shrinking = read_cases(["reversals at every level"])["reversals at every level: k -0.5"]
+    shrinking["load.points"] = [[1e6, 0.0], [1e6, 1e5], [5e5, 1e5]]
+
+    def shrunk():
+        return Simulation(MPI.COMM_SELF, resolve(shrinking)).run_to_end()
+
+    assert shrunk().history.entries[-1].increment.load == pytest.approx((0.1, 0.5))
+    monkeypatch.setattr(HeldPoint, "update", lambda self: False)
+    with pytest.raises(SolveError, match="singular"):
+        shrunk()
 
 
 def test_thin_cells_are_kept():
