@@ -14,7 +14,7 @@ from simulations.energy import EnergyMeter, worst_defect
 from simulations.held_point import HeldPoint
 from simulations.language import SceneError
 from simulations.limits import expected_error
-from simulations.programme import SolveError
+from simulations.programme import LoadProgramme, SolveError
 from simulations.scene import resolve
 from simulations.simulation import Simulation
 from simulations.stability import read_cases
@@ -41,11 +41,16 @@ def test_contact_terms_are_integrated_at_the_nodes(monkeypatch):
 
 
 def test_increments_start_with_all_points_sticking(monkeypatch):
-    """Without the predictor reversals make the tangent singular, and only what is done then saves the run."""
-    with_predictor = iterations()
+    """Without the predictor reversals make the tangent singular; no other safeguard is needed with it."""
+    failed = newton.NewtonResult(False, 0, np.inf, np.inf, "not tried")
+    for safeguard in ("_guarded", "_fixed_point"):
+        monkeypatch.setattr(LoadProgramme, safeguard, lambda self, load, *results: failed)
+    monkeypatch.setattr("simulations.programme.MAX_CUTS", 0)
+    solved()
     solve = newton.Newton.solve
     monkeypatch.setattr(newton.Newton, "solve", lambda self, load, predict=None: solve(self, load))
-    assert iterations() > 1.2 * with_predictor
+    with pytest.raises(SolveError, match=r"unloading.*singular"):
+        solved()
 
 
 def test_near_incompressibility_chatters_without_the_mean_stress(monkeypatch):
@@ -78,7 +83,7 @@ def test_a_cycle_ends_at_once(monkeypatch):
     scene = {"solid__nu": 0.3, "effects__friction_in_normal_stage": "true"}
     quick = iterations(**scene)
     monkeypatch.setattr(newton, "ROUNDS", 10**9)
-    assert iterations(**scene) > 1.3 * quick
+    assert iterations(**scene) > 1.8 * quick
 
 
 def wiggles(**changes) -> float:
