@@ -21,6 +21,7 @@ from forms import contact
 
 from .body import HalfPlane, X, Y
 
+NO_CELLS = np.array([], dtype=np.int32)  # the field's own
 OPEN, BACKWARD, CLOSED, FORWARD = 0, 1, 2, 3  # contact states: sliding along -x, closed or stuck, sliding along +x
 
 
@@ -285,7 +286,8 @@ class ContactProblem:
         self._interpolate(self.anchor, expression)
 
     def _interpolate(self, field, expression):
-        field.interpolate(expression(), cells0=self.body.strip_cells)
+        # past the wrapper in Python, which is dearer than what it wraps
+        field._cpp_object.interpolate(expression()._cpp_object, self.body.strip_cells, NO_CELLS)
         field.x.scatter_forward()
 
     def _point_values(self, name):

@@ -1,6 +1,7 @@
 """The response R of the strip to contact forces, kept as one dense block for each part that the body falls into."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.sparse import csr_matrix
@@ -26,9 +27,14 @@ class Response:
             blocks.append((rows, np.ascontiguousarray(dense[:, used]), place[:, used]))
         return Response(tuple(blocks))
 
+    @cached_property
+    def _gathering(self):
+        return [place.T.tocsr() for _, _, place in self.blocks]
+
     def apply(self, forces: np.ndarray) -> np.ndarray:
         """R @ forces, (r,) from (c,)."""
-        return sum(rows @ (dense @ (place.T @ forces)) for rows, dense, place in self.blocks)
+        blocks = zip(self.blocks, self._gathering)
+        return sum(rows @ (dense @ (gather @ forces)) for (rows, dense, _), gather in blocks)
 
     def times(self, left: csr_matrix) -> np.ndarray:
         """left @ R, (g, c) from a sparse (g, r)."""

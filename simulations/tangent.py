@@ -15,6 +15,7 @@ from scipy.sparse import csr_matrix
 from .response import Response
 
 FEW = 0.15  # share of rows that change otherwise before another matrix is inverted
+EXACT = 1e-10  # relative residual of a step beyond which it is refined
 SOLVED = 1e-6  # relative residual of a step that is worth taking
 SAME = 1e-13  # relative: rows this close to proportional are
 
@@ -42,7 +43,9 @@ class DenseTangent:
         self._sums = np.hstack([sides * np.kron(np.eye(self._rigid), np.ones(n)), np.zeros((self._rigid, self._rigid))])
         self._base: csr_matrix | None = None
         self._singular: bool = False
+        self._known: dict[int, tuple[np.ndarray, np.ndarray]] = {}  # rows of T and of J, by their number
         self.counts = Counts()
+        self.moved: tuple = (None, None)  # forces last multiplied with R, and the displacements that they make
 
     def factorise(self, tangent: csr_matrix):
         """Prepare ``solve`` for T (mn, r)."""
@@ -65,26 +68,33 @@ class DenseTangent:
     def solve(self, b: np.ndarray) -> np.ndarray:
         """The step (mn + m,) for the right-hand side ``b``; nan where the tangent is singular.
 
-        Refined once: with E very large at the surface the first answer has digits enough only for the largest forces.
-        Where that does not help the base was no good for this tangent, which then becomes the base itself.
+        Refined once where need be: with E very large at the surface the first answer has digits enough only for the
+        largest forces. Where that does not help the base was no good for this tangent, which becomes the base itself.
         """
-        x = self._refined(b)
-        solved = self._solves(x, b)
-        if not solved and len(self._rows):
+        x, defect = self._refined(b)
+        if defect > SOLVED and len(self._rows):
             self._rebase()
-            x = self._refined(b)
-            solved = self._solves(x, b)
-        self._singular = not solved
-        return x if solved else np.full_like(b, np.nan)
+            x, defect = self._refined(b)
+        self._singular = defect > SOLVED
+        return np.full_like(b, np.nan) if self._singular else x
 
     def _refined(self, b):
+        """A step and its relative residual; the latter infinite where there is none."""
         if self._singular:
-            return np.full_like(b, np.nan)
+            return b, np.inf
         x = self._solve(b)
-        return x + self._solve(b - self.multiply(x))
+        residual, defect = self._residual(x, b)
+        if EXACT < defect < np.inf:
+            x = x + self._solve(residual)
+            _, defect = self._residual(x, b)
+        return x, defect
 
-    def _solves(self, x, b):
-        return np.all(np.isfinite(x)) and np.abs(b - self.multiply(x)).max() <= SOLVED * np.abs(b).max()
+    def _residual(self, x, b):
+        residual = b - self.multiply(x)
+        if not np.all(np.isfinite(residual)):
+            return residual, np.inf
+        scale = np.abs(b).max()
+        return residual, np.abs(residual).max() / scale if scale else 0.0
 
     def _solve(self, b):
         rows, right = self._rows, b.copy()
@@ -98,7 +108,8 @@ class DenseTangent:
 
     def multiply(self, x: np.ndarray) -> np.ndarray:
         """J x."""
-        strip = self._response.apply(x[: self._size]) - self._translations @ x[self._size :]
+        self.moved = x[: self._size], self._response.apply(x[: self._size])
+        strip = self.moved[1] - self._translations @ x[self._size :]
         return np.concatenate([x[: self._size] + self._tangent @ strip, self._sums @ x])
 
     def _states(self, tangent):
@@ -115,6 +126,16 @@ class DenseTangent:
             defect = np.maximum.reduceat(np.abs(along - np.repeat(ratio[:n], length) * into), first)
             sliding[:n] = ~free[:n] & (defect <= SAME * size[:n])
         return free, sliding, ratio
+
+    def _known_rows(self, tangent, rows):
+        """``_full_rows``, of which those are kept: a node that sticks has the same row whenever it does."""
+        data = [tangent.data[tangent.indptr[row] : tangent.indptr[row + 1]] for row in rows]
+        new = [i for i, row in enumerate(rows) if row not in self._known or np.any(self._known[row][0] != data[i])]
+        if new:
+            self._known.update(
+                (rows[i], (data[i].copy(), full)) for i, full in zip(new, self._full_rows(tangent, rows[new]))
+            )
+        return np.array([self._known[row][1] for row in rows])
 
     def _full_rows(self, tangent, rows):
         """Rows of J (g, mn + m)."""
@@ -143,13 +164,13 @@ class DenseTangent:
         self._ratio = np.concatenate([np.zeros(len(free)), ratio[sliding], np.zeros(len(rest))])
         self._pressing = self._rows.copy()
         self._pressing[len(free) : len(free) + len(sliding)] += self._size // 2
-        self._rest = self._full_rows(self._tangent, rest) if len(rest) else np.zeros((0, len(self._inverse)))
+        self._rest = self._known_rows(self._tangent, rest) if len(rest) else np.zeros((0, len(self._inverse)))
         self._singular = self._base_singular
         if len(self._rows):
             inverse, rows, few = self._inverse, self._rows, len(free) + len(sliding)
             matrix = np.empty((len(rows), len(rows)), order="F")
-            matrix[:few] = inverse[np.ix_(rows[:few], rows)]
-            matrix[len(free) : few] -= ratio[sliding, None] * inverse[np.ix_(sliding + self._size // 2, rows)]
+            matrix[:few] = _block(inverse, rows[:few], rows)
+            matrix[len(free) : few] -= ratio[sliding, None] * _block(inverse, sliding + self._size // 2, rows)
             if len(rest):
                 matrix[few:] = self._rest @ inverse[:, rows]
             self._lu, self._pivots, singular = lapack.dgetrf(matrix, overwrite_a=True)
@@ -161,3 +182,8 @@ class DenseTangent:
         few = len(self._rows) - len(self._rest)
         images = x[self._rows[:few]] - self._ratio[:few] * x[self._pressing[:few]]
         return np.concatenate([images, self._rest @ x])
+
+
+def _block(matrix, rows, columns):
+    """matrix[np.ix_(rows, columns)], in half the time."""
+    return matrix[rows].T[columns].T
