@@ -154,7 +154,7 @@ class CondensedSystem:
         return after
 
     def _contact_forces(self):
-        nodal = self.problem.contact_forces()[self.compliance.surface][:, self._rigid]
+        nodal = self.problem.contact_forces(self.compliance.surface)[:, self._rigid]
         return self.compliance.collect(nodal).T.ravel()
 
     def _get(self, x):

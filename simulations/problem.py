@@ -168,9 +168,9 @@ class ContactProblem:
         corner = np.array([[self._sum(form) for form in row] for row in corner])
         return columns, [self._vector(form) for form in rows], corner
 
-    def contact_forces(self) -> np.ndarray:
-        """Contact forces along x and y on every owned node, (n, 2); zero along a direction without a term."""
-        return self._on_strip(self._nodal)[self.body.dofs[: self.body.owned_nodes]]
+    def contact_forces(self, nodes=slice(None)) -> np.ndarray:
+        """Contact forces along x and y on owned ``nodes``, (n, 2); zero along a direction without a term."""
+        return self._on_strip(self._nodal)[self.body.dofs[: self.body.owned_nodes][nodes]]
 
     def nodal_forces(self, direction: int) -> np.ndarray:
         """Contact force along x (0) or y (1) on every owned node, (n,), that of a pressure held included."""
