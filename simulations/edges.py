@@ -13,12 +13,12 @@ from .scaling import Scaled
 from .scene import Scene
 
 NODES = 80  # of the half-plane solver: edges to about 1e-3 of the half-width
-APART = 0.02  # edges closer than this (over the half-width) are one
+APART = 0.005  # edges closer than this (over the half-width) are one
 MOST = 20  # edges on either side
 FIRST = 3  # facets, either side, in the contact of the first increment with friction
 
 
-def half_plane_solver(scene: Scene, scaled: Scaled, effects: Effects, nodes: int = 300) -> HalfPlaneContact:
+def half_plane_solver(scene: Scene, scaled: Scaled, effects: Effects, nodes: int = 400) -> HalfPlaneContact:
     """The mesh-free solver of the same problem, in scaled units."""
     return HalfPlaneContact(
         scaled.kernel,
