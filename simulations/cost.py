@@ -135,8 +135,8 @@ def _measured_apart(case: Case) -> dict:
     lines = [line for line in done.stdout.splitlines() if line.startswith(MARK)]
     if lines:
         return row | json.loads(lines[-1].removeprefix(MARK))
-    reason = (done.stderr.strip().splitlines() or [f"exit code {done.returncode}"])[-1]
-    return row | {"failure": reason[:200]}
+    said = [line for line in done.stderr.splitlines() if line.strip("\0 ")]
+    return row | {"failure": f"exit code {done.returncode}: {said[-1] if said else 'nothing said'}"[:200]}
 
 
 def _one(name: str):

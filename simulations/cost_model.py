@@ -29,13 +29,13 @@ def measure(case: Case, comm=MPI.COMM_WORLD) -> dict:
     newton.FORCE_TOLERANCE = newton.LOAD_TOLERANCE = case.tolerance
     _run(comm, case, case.sets | COARSE | {"solver.increments": 1})
     wall, cpu, simulation = _run(comm, case, case.sets)
+    memory = comm.allreduce(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss) / 2**20
     if wall < QUICK:
         again = _run(comm, case, case.sets)
         wall, cpu, simulation = min((wall, cpu, simulation), again, key=lambda run: run[1])
     body, entries = simulation.body, simulation.history.entries
     row = {"unknowns": body.unknowns, "surface_nodes": len(simulation.sampler.x), "increments": len(entries)}
     row |= {"iterations": sum(entry.iterations for entry in entries), "wall_s": wall, "cpu_s": cpu}
-    memory = comm.allreduce(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss) / 2**20
     row |= {"factorisation_cpu_s": _factorisation(body.constrained_stiffness), "memory_gib": memory}
     if comm.rank == 0:
         row |= errors(compare(simulation.history, reference.of_same_physics(simulation)))

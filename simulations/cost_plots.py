@@ -156,7 +156,7 @@ def pareto(rows):
     studies = ("fineness", "degree", "one at a time", "method", "peer")
     if not problems:
         return None
-    figure, axis = plt.subplots(figsize=(6.4, 4.4), layout="constrained")
+    figure, axis = plt.subplots(figsize=(6.4, 5.0), layout="constrained")
     for problem in problems:
         mine = [row for row in rows if row["problem"] == problem and row["study"] in studies and row["ranks"] == 1]
         points = sorted((row["cpu_s"], row["largest"]) for row in mine)
@@ -171,7 +171,7 @@ def pareto(rows):
         axis.loglog(*zip(*sorted(peer)), MARKERS["GetFEM"] + "--", color=COLOURS["GetFEM"], label=NAMES["GetFEM"])
     axis.set(xlabel="CPU time of the whole loop [s]", ylabel="largest of the errors of p, q, slip, a, c, ΔW [-]")
     axis.grid(True, alpha=0.3)
-    axis.legend(frameon=False)
+    figure.legend(loc="outside lower center", ncols=2, fontsize=8, frameon=False)
     return figure
 
 

@@ -18,7 +18,7 @@ MOST = 20  # edges on either side
 FIRST = 3  # facets, either side, in the contact of the first increment with friction
 
 
-def half_plane_solver(scene: Scene, scaled: Scaled, effects: Effects, nodes: int = 400) -> HalfPlaneContact:
+def half_plane_solver(scene: Scene, scaled: Scaled, effects: Effects, nodes: int) -> HalfPlaneContact:
     """The mesh-free solver of the same problem, in scaled units."""
     return HalfPlaneContact(
         scaled.kernel,

@@ -16,6 +16,9 @@ from .history import Entry, History
 from .simulation import Simulation
 
 
+NODES = (400, 300)  # of the half-plane solver; the next number is tried where one does not converge
+
+
 class NoReference(RuntimeError):
     """The half-plane solver could not do what the finite elements did; the message says why."""
 
@@ -82,12 +85,17 @@ class HalfPlane:
     name = "mesh-free half-plane solver"
 
     def __init__(self, simulation: Simulation):
-        solver = half_plane_solver(simulation.scene, simulation.scaled, simulation.effects)
         loads = [(increment.P, increment.Q) for increment in simulation.programme]
-        try:
-            states = solver.run(loads)
-        except (ContactNotConverged, ValueError, RuntimeError) as failure:
-            raise NoReference(str(failure)) from None
+        failure = None
+        for nodes in NODES:
+            solver = half_plane_solver(simulation.scene, simulation.scaled, simulation.effects, nodes)
+            try:
+                states = solver.run(loads)
+                break
+            except (ContactNotConverged, ValueError, RuntimeError) as reason:
+                failure = failure or reason
+        else:
+            raise NoReference(str(failure))
         self._increments = simulation.programme
         self._states = {id(increment): state for increment, state in zip(self._increments, states)}
 
