@@ -7,6 +7,7 @@ friction it slides after all, and the next one on the far side of it is held.
 """
 
 import numpy as np
+from mpi4py import MPI
 
 from .problem import BACKWARD, CLOSED, FORWARD, ContactProblem
 
@@ -29,7 +30,7 @@ class HeldPoint:
         if sticks or not slides:
             return False
         excess = np.where(sliding & (states != self._way(states)), self._problem.slip_beyond_limit(), np.inf)
-        if self._comm.allreduce(excess.min(initial=np.inf), min) == np.inf:
+        if self._comm.allreduce(excess.min(initial=np.inf), MPI.MIN) == np.inf:
             return False
         nearest = [(excess[i], self._x[i]) for i in np.argsort(excess)[:1]]
         _, self._held = min(sum(self._comm.allgather(nearest), []))
@@ -45,4 +46,4 @@ class HeldPoint:
 
     def _way(self, states) -> int:
         """The contact state of the point held before; -1 if there was none."""
-        return self._comm.allreduce(int(states[self._at_held()].max(initial=-1)), max)
+        return self._comm.allreduce(int(states[self._at_held()].max(initial=-1)), MPI.MAX)

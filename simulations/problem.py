@@ -62,7 +62,7 @@ class ContactProblem:
             profile = fem.Function(
                 fem.functionspace(body.mesh, ("Lagrange", body.degree))
             )  # the terms live at its nodes
-            profile.interpolate(lambda x: height(x[0]))
+            profile.interpolate(lambda x: height(x[0]), body.strip_cells)  # it may end beyond
             gap = contact.gap(u, profile, body.delta)
             pressure = tractions[Y] = contact.contact_pressure(traction, gap, gamma)
             self._pressure = self._expression(pressure)

@@ -43,6 +43,13 @@ def test_other_profiles_match_their_closed_form(profile):
         assert abs(deviation) < 2e-3, name
 
 
+@pytest.mark.filterwarnings("error::RuntimeWarning")
+def test_a_circle_may_end_above_the_mesh():
+    """Under a large load the domain may be wider than the cylinder."""
+    simulation = solved(scene_with("circle"), load__P=1.6e7, load__cycles=0, mesh__extent=40)
+    assert simulation.cells.extent * simulation.scaled.scales.length > simulation.scene["indenter.R"]
+
+
 def test_a_formula_is_its_profile():
     """The parabola written out runs through sympy and the general closed form, and changes nothing."""
     written = DEFAULT_SCENE.replace("[indenter]", '[indenter]\nprofile = "formula"\nformula = "x**2/(2*R)"')

@@ -20,6 +20,9 @@ from simulations.simulation import Simulation
 from simulations.stability import read_cases
 from simulations.stability_report import GREEN, REFUSED
 
+SHRINKING = read_cases(["reversals at every level"])["reversals at every level: k -0.5"] | {
+    "load.points": [[1e6, 0.0], [1e6, 1e5], [5e5, 1e5]]
+}
 UNCOUPLED = {"effects__coupling": "false", "solid__nu": 0.3}
 
 
@@ -121,16 +124,29 @@ def test_steps_are_refined(monkeypatch):
 
 def test_last_point_that_sticks_is_held(monkeypatch):
     """Under a constant Q the contact shrinks until all but one point slide, towards each other."""
-    shrinking = read_cases(["reversals at every level"])["reversals at every level: k -0.5"]
-    shrinking["load.points"] = [[1e6, 0.0], [1e6, 1e5], [5e5, 1e5]]
 
     def shrunk():
-        return Simulation(MPI.COMM_SELF, resolve(shrinking)).run_to_end()
+        return Simulation(MPI.COMM_SELF, resolve(SHRINKING)).run_to_end()
 
     assert shrunk().history.entries[-1].increment.load == pytest.approx((0.1, 0.5))
     monkeypatch.setattr(HeldPoint, "update", lambda self: False)
     with pytest.raises(SolveError, match="singular"):
         shrunk()
+
+
+def test_held_point_on_any_ranks_by_either_method(tmp_path):
+    scene = tmp_path / "shrinking.toml"
+    scene.write_text("".join(f"{key} = {json.dumps(value)}\n" for key, value in SHRINKING.items()))
+    ends = []
+    for ranks, method in ((1, "condensed"), (2, "condensed"), (3, "condensed"), (2, "full")):
+        folder = tmp_path / f"{method} {ranks}"
+        done = run_command(scene, "--set", f"solver.method={method}", "--output", folder, ranks=ranks)
+        assert done.returncode == 0, done.stderr
+        with open(folder / "history.csv", newline="") as file:
+            last = list(csv.DictReader(file))[-1]
+        ends.append([float(last[name]) for name in ("delta_x[m]", "delta_y[m]", "a[m]", "dissipated_energy[J/m]")])
+    for end in ends[1:]:
+        assert end == pytest.approx(ends[0], rel=1e-7)
 
 
 def test_thin_cells_are_kept():
