@@ -52,16 +52,17 @@ class CondensedSystem:
             self._constant = compliance.far @ self._load
             if held is not None:
                 self._constant += self._held[1]
-        self._shown = None, None  # the last forces shown, and their displacement
+        self._shown = None, None  # the last forces shown, and their displacement ...
+        self._largest = 0.0  # ... and the largest of those that it was carried over from
         strip = compliance.strip_values()
         if self._left is not None and np.array_equal(strip, self._left[0]):
             forces = self._left[1]
         else:
             forces = self._contact_forces()
         if self._is_root:
-            self._shown = forces, self._displacement(forces)
-            self._largest = np.abs(self._shown[1]).max()
-            self._offset = strip - self._shown[1]
+            displacement = self._displacement(forces)
+            self._shown, self._largest = (forces, displacement), np.abs(displacement).max()
+            self._offset = strip - displacement
         self._has_offset = self._comm.bcast(bool(np.any(self._offset)))
         self._put(np.concatenate([forces, body.delta.value[self._rigid]]), x)
 
