@@ -49,7 +49,7 @@ def slides(trial, limit, before):
 
 
 def slip_beyond_limit(trial, limit, gamma):
-    """How far beyond the limit of friction a sliding point is:  (|trial| - mu p)/gamma ; negative where it sticks."""
+    """How far a point slides beyond where friction stops it, a length:  (|trial| - mu p)/gamma ; negative in stick."""
     return (abs(trial) - limit) / gamma
 
 

@@ -94,7 +94,7 @@ class CondensedSystem:
     def solve(self, b, x):
         """x = J^-1 b; nan where the cylinder is free to move (every point slips)."""
         if self._is_root:
-            x.array[:] = self.dense.solve(b.array_r + self._removed)
+            x.array[:] = self.dense.solve(b.array_r + self._removed, abs(self._load[Y]))
         self._offset[:] = 0.0
         self._has_offset = False
 

@@ -135,6 +135,7 @@ def _measured_apart(case: Case) -> dict:
     lines = [line for line in done.stdout.splitlines() if line.startswith(MARK)]
     if lines:
         return row | json.loads(lines[-1].removeprefix(MARK))
+    # mpirun may end with a line of nothing but a NUL
     said = [line for line in done.stderr.splitlines() if line.strip("\0 ")]
     return row | {"failure": f"exit code {done.returncode}: {said[-1] if said else 'nothing said'}"[:200]}
 

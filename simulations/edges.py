@@ -12,9 +12,9 @@ from .limits import expected_error, size_for
 from .scaling import Scaled
 from .scene import Scene
 
-NODES = 80  # of the half-plane solver: edges to about 1e-3 of the half-width
+NODES = 80  # of the half-plane solver: edges to a few 1e-3 of the half-width
 APART = 0.005  # edges closer than this (over the half-width) are one
-MOST = 20  # edges on either side
+MOST = 30  # edges on either side
 FIRST = 3  # facets, either side, in the contact of the first increment with friction
 
 

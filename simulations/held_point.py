@@ -2,8 +2,8 @@
 the other.
 
 Such a stick zone is narrower than a facet. An iterate in which all points slide leaves the cylinder free to move: the
-tangent is singular. There one point is held instead, the one that slides least; if it takes more than its limit of
-friction it slides after all, and the next one on the far side of it is held.
+tangent is singular. There one point is held instead, the one that slides least. If it would take more than its limit
+of friction it slides after all, and held is the one that slides least of those that slide the other way.
 """
 
 import numpy as np
@@ -23,23 +23,31 @@ class HeldPoint:
         self._held: float | None = None  # abscissa
 
     def update(self) -> bool:
-        """Hold a point if all in contact slide at the present iterate, and tell whether one is."""
+        """Hold a point if all in contact slide at the present iterate, and tell whether one is held anew."""
+        if self._problem.all_stick.value:
+            return False
         states = self._problem.contact_states()
         sliding = (states == FORWARD) | (states == BACKWARD)
+        way = self._way(states)
         sticks, slides = np.any(self._comm.allgather((np.any(states == CLOSED), np.any(sliding))), axis=0)
+        if sticks and way != CLOSED:  # others do
+            self.release()
         if sticks or not slides:
             return False
-        excess = np.where(sliding & (states != self._way(states)), self._problem.slip_beyond_limit(), np.inf)
-        if self._comm.allreduce(excess.min(initial=np.inf), MPI.MIN) == np.inf:
-            return False
-        nearest = [(excess[i], self._x[i]) for i in np.argsort(excess)[:1]]
-        _, self._held = min(sum(self._comm.allgather(nearest), []))
+        found = self._least(sliding & (states != way))
+        self._held = self._least(sliding & ~self._at_held()) if found is None else found
         self._problem.hold(self._at_held())
         return True
 
     def release(self):
-        """Hold none."""
+        """Forget which point was held."""
         self._held = None
+
+    def _least(self, among) -> float | None:
+        """x of the point that slides least of those ``among`` which it is sought; None without any."""
+        beyond = np.where(among, self._problem.slip_beyond_limit(), np.inf)
+        least = [(beyond[i], self._x[i]) for i in np.argsort(beyond)[:1] if among[i]]
+        return min(sum(self._comm.allgather(least), []), default=(0.0, None))[1]
 
     def _at_held(self):
         return np.abs(self._x - self._held) <= SAME if self._held is not None else np.zeros(len(self._x), bool)

@@ -46,7 +46,8 @@ def check_size(scene: Scene, cells: Grading, columns: int, layers: int):
         )
     if scene["solver.method"] == "condensed":
         nodes = 2 * min(columns, 2 * cells.strip / min(cells.facet, cells.edge_facet))
-        size = 8e-9 * nodes * (12 * nodes + 12 * nodes)  # response of the strip, and the dense Jacobian and its factors
+        # response of the strip; the dense Jacobian, its factors and the rows of it that are kept
+        size = 8e-9 * nodes * (12 * nodes + 16 * nodes)
         if size > MOST_MATRIX:
             raise SceneError(
                 f"the mesh is too fine: {nodes:.0f} surface nodes make dense matrices of {size:.0f} GB, the limit is "

@@ -20,11 +20,13 @@ from .edges import half_plane_solver
 from .effects import Effects
 from .mesh import Grading, columns, layers
 from .programme import rocking
+from .reference import NODES
 from .scaling import Scaled
 from .scene import parse
 
 CONTACT, FAR = 1, 2
-LAYERS = {4.0: 2.0, 2.8: 1.6, 2.0: 1.6, 1.4: 1.6}  # growth, by the fineness t: facets of 0.025 t half-widths
+# Growth of the layers by the fineness t (facets of 0.025 t half-widths); the first mesh is to be as cheap as it can.
+LAYERS = {4.0: 2.0, 2.8: 1.6, 2.0: 1.6, 1.4: 1.6}
 QUARTER = 10  # increments up; forty for the cycle
 TOLERANCE = 1e-10  # of the residual at P = 1; 1e-6 is a fifth faster and enough on the two coarse meshes only
 MOVE = "[1,0;0,0]*(u-d-s0)"  # slip of the increment
@@ -158,7 +160,7 @@ def _slip_data(relative):
 
 def _errors(scene, scaled, programme, states):
     """Against the mesh-free solver with the same coupling, at the last state and over the cycle."""
-    solver = half_plane_solver(scene, scaled, Effects(scene), nodes=400)
+    solver = half_plane_solver(scene, scaled, Effects(scene), nodes=NODES[0])
     exact = solver.run([(1.0, 0.0)] + [increment.load[::-1] for increment in programme])
     last, end = states[-1], exact[-1]
     field = {

@@ -202,12 +202,12 @@ class ContactProblem:
         self._interpolate(self._slid, self._sliding)
 
     def slip_beyond_limit(self) -> np.ndarray:
-        """How far the surface points of this rank's cells slide beyond where friction stops them (m,)."""
+        """How far the surface points of this rank's cells slide beyond where friction stops them (m,) [length]."""
         self._interpolate(self._rest_values, self._beyond)
         return self._rest_values.x.array[self._surface_points]
 
     def hold(self, which: np.ndarray):
-        """Let those surface points of this rank's cells (bool (m,)) not slide until ``forget_sliding``."""
+        """Let those surface points of this rank's cells (bool (m,)) not slide until ``note_`` or ``forget_sliding``."""
         self._slid.x.array[self._surface_points[which]] = contact.HELD
         self._slid.x.scatter_forward()
 

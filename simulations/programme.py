@@ -244,8 +244,9 @@ class LoadProgramme:
         """
         problem, newton = self.problem, self._newton
         newton.after_linearise, newton.after_residual = problem.note_sliding, self._held_point.update
+        newton.confirms, confirms = False, newton.confirms  # that is for Coulomb's law as it is
         guarded = newton.solve(load, problem.all_stick)
-        newton.after_linearise, newton.after_residual = lambda: None, lambda: False
+        newton.after_linearise, newton.after_residual, newton.confirms = lambda: None, lambda: False, confirms
         problem.forget_sliding()
         self._held_point.release()
         if not guarded.converged:

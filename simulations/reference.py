@@ -83,17 +83,19 @@ class HalfPlane:
     """States of the half-plane solver at the increments of a simulation; NoReference where it fails."""
 
     name = "mesh-free half-plane solver"
+    nodes: int  # that it converged with
 
     def __init__(self, simulation: Simulation):
         loads = [(increment.P, increment.Q) for increment in simulation.programme]
         failure = None
         for nodes in NODES:
-            solver = half_plane_solver(simulation.scene, simulation.scaled, simulation.effects, nodes)
             try:
+                solver = half_plane_solver(simulation.scene, simulation.scaled, simulation.effects, nodes)
                 states = solver.run(loads)
+                self.nodes = nodes
                 break
             except (ContactNotConverged, ValueError, RuntimeError) as reason:
-                failure = failure or reason
+                failure = failure or reason  # the one of the finest nodes is told
         else:
             raise NoReference(str(failure))
         self._increments = simulation.programme
@@ -164,7 +166,8 @@ def describe(reference: Reference, simulation: Simulation) -> str:
     scene = simulation.scene
     if not isinstance(reference, ClosedForm):
         friction = "the same friction" if scene.friction else "no friction"
-        return f"{reference.name} with {friction}{' and coupling' if 'coupling' in simulation.effects else ''}"
+        nodes = f" of {reference.nodes} nodes" if isinstance(reference, HalfPlane) else ""
+        return f"{reference.name}{nodes} with {friction}{' and coupling' if 'coupling' in simulation.effects else ''}"
     if not scene.friction:
         return "closed form of the frictionless contact"
     if "coupling" not in simulation.effects:

@@ -15,7 +15,7 @@ from scipy.sparse import csr_matrix
 from .response import Response
 
 FEW = 0.15  # share of rows that change otherwise before another matrix is inverted
-EXACT = 1e-10  # relative residual of a step beyond which it is refined
+EXACT = 1e-10  # residual of a step, over the load, beyond which it is refined
 SOLVED = 1e-6  # relative residual of a step that is worth taking
 SAME = 1e-13  # relative: rows this close to proportional are
 
@@ -65,26 +65,27 @@ class DenseTangent:
         none = np.array([], dtype=int)
         self._replace(none, none, ratio, np.zeros(self._size, dtype=bool))
 
-    def solve(self, b: np.ndarray) -> np.ndarray:
-        """The step (mn + m,) for the right-hand side ``b``; nan where the tangent is singular.
+    def solve(self, b: np.ndarray, load: float) -> np.ndarray:
+        """The step (mn + m,) for the right-hand side ``b``, under a ``load``; nan where the tangent is singular.
 
-        Refined once where need be: with E very large at the surface the first answer has digits enough only for the
-        largest forces. Where that does not help the base was no good for this tangent, which becomes the base itself.
+        Refined once where need be: with E very large at the surface first steps are of forces much larger than the
+        load, and the first answer has digits enough only for those. Where that does not help the base was no good
+        for this tangent, which becomes the base itself.
         """
-        x, defect = self._refined(b)
+        x, defect = self._refined(b, load)
         if defect > SOLVED and len(self._rows):
             self._rebase()
-            x, defect = self._refined(b)
+            x, defect = self._refined(b, load)
         self._singular = defect > SOLVED
         return np.full_like(b, np.nan) if self._singular else x
 
-    def _refined(self, b):
-        """A step and its relative residual; the latter infinite where there is none."""
+    def _refined(self, b, load):
+        """A step and its residual over the largest of ``b``; the latter infinite where there is none."""
         if self._singular:
             return b, np.inf
         x = self._solve(b)
         residual, defect = self._residual(x, b)
-        if EXACT < defect < np.inf:
+        if defect < np.inf and np.abs(residual).max() > EXACT * load:
             x = x + self._solve(residual)
             _, defect = self._residual(x, b)
         return x, defect
@@ -133,7 +134,7 @@ class DenseTangent:
         new = [i for i, row in enumerate(rows) if row not in self._known or np.any(self._known[row][0] != data[i])]
         if new:
             self._known.update(
-                (rows[i], (data[i].copy(), full)) for i, full in zip(new, self._full_rows(tangent, rows[new]))
+                (rows[i], (data[i].copy(), full.copy())) for i, full in zip(new, self._full_rows(tangent, rows[new]))
             )
         return np.array([self._known[row][1] for row in rows])
 

@@ -9,6 +9,7 @@ from mpi4py import MPI
 from conftest import ROOT, coarse_arguments, run_command
 from solving import coarse_simulation, deviations, of_the_closed_form, solved
 
+from analytic.half_plane_linear import ContactNotConverged
 from simulations import reference
 from simulations.comparison import compare, compare_state
 from simulations.indentation import DEFAULT_SCENE as INDENTATION
@@ -125,6 +126,26 @@ def test_coupled_loops_match_the_half_plane_solver(k, nu, friction_first):
     found = compare(simulation.history, reference.HalfPlane(simulation))
     for name, limit in {"pressure_l2": 2e-3, "traction_l2": 3e-3, "a": 1e-3, "dissipated_energy": 2e-3}.items():
         assert abs(found[name]) < limit, (name, found[name])
+
+
+def test_half_plane_solver_is_tried_with_fewer_nodes(monkeypatch):
+    """What it ended with is said; where it fails with all, so is why it did with the most."""
+    simulation = coarse_simulation(solid__nu=0.3, load__cycles=0, solver__increments=1)
+    solver, most, least = reference.half_plane_solver, reference.NODES[0], reference.NODES[-1]
+
+    def failing_above(limit):
+        def choose(scene, scaled, effects, nodes):
+            if nodes > limit:
+                raise ContactNotConverged(f"with {nodes} nodes")
+            return solver(scene, scaled, effects, nodes)
+
+        return choose
+
+    monkeypatch.setattr(reference, "half_plane_solver", failing_above(least))
+    assert f"of {least} nodes" in reference.describe(reference.HalfPlane(simulation), simulation)
+    monkeypatch.setattr(reference, "half_plane_solver", failing_above(0))
+    with pytest.raises(reference.NoReference, match=f"with {most} nodes"):
+        reference.HalfPlane(simulation)
 
 
 def worst_of_states(*settings) -> dict[str, float]:

@@ -73,7 +73,7 @@ def test_tolerance_follows_round_off(monkeypatch):
 
 
 def test_first_contact_has_facets_enough(monkeypatch):
-    """Pressed on with little friction, all of a few points slide at first; where they are more none has to be held."""
+    """Pressed on with little friction, few points all slide at first, and one has to be held; of more some stick."""
     monkeypatch.setattr(HeldPoint, "update", lambda self: False)
     scene = {"solid__k": -0.5, "solid__nu": 0.3, "load__mu": 0.01, "effects__friction_in_normal_stage": "true"}
     simulation = solved(**scene)
