@@ -17,6 +17,8 @@ from .compliance import Compliance
 from .problem import ContactProblem
 from .tangent import DenseTangent
 
+CARRIED = 1e-11  # forces that the last digits of a displacement make, over the load, up to which it is carried over
+
 
 class CondensedSystem:
     """Unknowns: nodal forces, direction by direction, then delta; all on rank 0, mirrored to the others."""
@@ -146,9 +148,8 @@ class CondensedSystem:
         step, moved = self.dense.moved
         if before is not None and step is not None and np.array_equal(forces, before - step):
             after = displacement - moved
-            size = np.abs(after).max()
-            self._largest = max(self._largest, size)
-            if self._largest <= 2 * size:  # else the last digits are those of what cancels
+            self._largest = max(self._largest, np.abs(after).max())
+            if self.problem.force_per_digit * self._largest <= CARRIED * abs(self._load[Y]):
                 return after
         after = self._displacement(forces)
         self._largest = np.abs(after).max()

@@ -15,7 +15,7 @@ from scipy.sparse import csr_matrix
 from .response import Response
 
 FEW = 0.15  # share of rows that change otherwise before another matrix is inverted
-EXACT = 1e-10  # residual of a step, over the load, beyond which it is refined
+EXACT = 1e-10  # residual of a step, over the load and over what it is to balance, beyond which it is refined
 SOLVED = 1e-6  # relative residual of a step that is worth taking
 SAME = 1e-13  # relative: rows this close to proportional are
 
@@ -85,7 +85,7 @@ class DenseTangent:
             return b, np.inf
         x = self._solve(b)
         residual, defect = self._residual(x, b)
-        if defect < np.inf and np.abs(residual).max() > EXACT * load:
+        if defect < np.inf and np.abs(residual).max() > EXACT * min(load, np.abs(b).max()):
             x = x + self._solve(residual)
             _, defect = self._residual(x, b)
         return x, defect
