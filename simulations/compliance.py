@@ -11,7 +11,7 @@ from dolfinx.fem import petsc as fem_petsc
 from mpi4py import MPI
 from petsc4py import PETSc
 from scipy.linalg import solve
-from scipy.sparse import csr_matrix
+from scipy.sparse import csr_matrix, vstack
 from scipy.sparse.linalg import splu
 
 from .body import HalfPlane, gathered
@@ -24,7 +24,7 @@ class Compliance:
     """Response of the strip to unit nodal forces on the surface and to unit line loads in the far field.
 
     It depends on the body alone. Surface nodes are sorted by x. ``strip`` holds the global dofs (r,) of the strip
-    cells, sorted; rank 0 has ``far`` (r, 2), columns Q and P, and ``response``; None elsewhere.
+    cells, sorted; rank 0 has ``far`` (r, 2), columns Q and P, None elsewhere; of the response each rank has its share.
     """
 
     def __init__(self, body: HalfPlane):
@@ -34,17 +34,17 @@ class Compliance:
         found = parts(body)
         self._halves: list[tuple[int, Part, _Half | None]] = []  # owner, part, and what the owner knows of it
         self._blocks: list = []
-        self.far = np.zeros((len(self.strip), 2)) if self.comm.rank == 0 else None
+        self.far = np.zeros((len(self.strip), 2))
         loads = np.stack([self._lifting(load) for load in np.eye(2)], axis=1)
         for start in range(0, len(found), self.comm.size):
             self._add(found[start : start + self.comm.size], inner, interface, loads)
+        self.far = self.comm.reduce(self.far)
 
     def response(self, directions: tuple[int, ...]) -> Response:
-        """R (r, mn) to unit forces along ``directions``, one after the other; on rank 0."""
-        whole = Response(tuple(self._blocks))
-        return (
-            whole if len(directions) == 2 else whole.chosen(slice(directions[0] * self.n, (directions[0] + 1) * self.n))
-        )
+        """This rank's share of R (r, mn) to unit forces along ``directions``, one after the other."""
+        share = Response((len(self.strip), 2 * self.n), tuple(self._blocks))
+        first = directions[0] * self.n
+        return share if len(directions) == 2 else share.chosen(slice(first, first + self.n))
 
     def collect(self, owned: np.ndarray) -> np.ndarray:
         """Rows (n, ...) sorted by x, on every rank, from those of the owned surface nodes."""
@@ -110,8 +110,8 @@ class Compliance:
         self.position = np.searchsorted(self.strip, mine)
         self._owned = self.strip_dofs[self.strip_dofs < body.stiffness.getLocalSize()[0]]
         self._sorted = np.argsort(gathered(self.comm, self._global(self._owned)))
-        others = np.unique(gathered(self.comm, self._global(self._dofs_of(np.flatnonzero(~is_strip[:count])))))
-        interface = np.intersect1d(self.strip, others)
+        beyond = self._global(self._dofs_of(np.flatnonzero(~is_strip[:count])))
+        interface = np.unique(gathered(self.comm, beyond[np.isin(beyond, self.strip)]))
         return np.setdiff1d(self.strip, interface), interface
 
     def _dofs_of(self, cells):
@@ -140,40 +140,35 @@ class Compliance:
     def _add(self, found, inner, interface, loads):
         """Factorise one part a rank and add what each contributes to the response."""
         rank, r = self.comm.rank, len(self.strip)
-        half = _extract(self.body, found[rank] if rank < len(found) else Part(NONE), inner, interface)
+        half = _half(self.body, found[rank] if rank < len(found) else Part(NONE), inner, interface)
         place = np.searchsorted(self.strip, self._surface_dofs.T.ravel())
         forces = csr_matrix((self._is_free.T.ravel().astype(float), (place, np.arange(2 * self.n))), (r, 2 * self.n))
         for owner, part in enumerate(found):
             self._halves.append((owner, part, half if owner == rank else None))
-            among = part.among(self.strip)
-            rows = among.matrix(r)
-            columns = (rows.T @ forces).tocoo()  # of the part's own surface
-            own, column = np.unique(columns.row, return_inverse=True)
-            columns = csr_matrix((columns.data, (columns.col, column)), (2 * self.n, len(own)))
-            blocks = None
             if owner == rank:
+                among = part.among(self.strip)
+                rows = among.matrix(r)
+                columns = (rows.T @ forces).tocoo()  # of the part's own surface
+                own, column = np.unique(columns.row, return_inverse=True)
+                columns = csr_matrix((columns.data, (columns.col, column)), (2 * self.n, len(own)))
                 unit = np.zeros((len(among.dofs), len(own)))
                 unit[own, np.arange(len(own))] = 0.5 if part.is_half else 1.0
-                blocks = half.respond(unit), half.far(part.restrict(loads))
-            if owner and rank == owner:  # rank 0 needs it
-                self.comm.send(blocks, dest=0)
-            elif owner and rank == 0:
-                blocks = self.comm.recv(source=owner)
-            if rank == 0:
-                self._blocks.append((rows, blocks[0], columns))
-                self.far += rows @ blocks[1]
+                self._blocks.append((rows, half.respond(unit), columns))
+                self.far += rows @ half.far(part.restrict(loads))
 
 
 class _Half:
     """A part of the body on one rank: the factor of its bulk, and its strip condensed onto the interface."""
 
-    def __init__(self, bulk: csr_matrix, inside: csr_matrix, place, definite: bool):
-        """inside: rows of the strip's inner dofs, columns those and the interface; place: of bulk and strip dofs."""
-        self._bulk, self._inner = place["bulk"], place["inner"]
-        self._in_strip = place["inner in strip"], place["interface in strip"]
-        self._kept = place["interface in bulk"]
-        self._factor = PartialFactor(bulk, self._kept, definite)
+    def __init__(self, matrix: csr_matrix, is_inner: np.ndarray, is_interface: np.ndarray, definite: bool):
+        """matrix: stiffness (h, h); is_inner, is_interface: (h,) which dofs are inside the strip, and on its edge."""
+        self._bulk, self._inner = np.flatnonzero(~is_inner), np.flatnonzero(is_inner)
+        in_strip = is_inner | is_interface
+        self._in_strip = np.flatnonzero(is_inner[in_strip]), np.flatnonzero(is_interface[in_strip])
+        self._kept = np.flatnonzero(is_interface[self._bulk])
+        self._factor = PartialFactor(matrix[self._bulk][:, self._bulk], self._kept, definite)
         self._assume = "pos" if definite else "sym"
+        inside = matrix[self._inner][:, np.concatenate([self._inner, np.flatnonzero(is_interface)])]
         m = len(self._inner)
         self._border = inside[:, m:]
         self._inside = splu(inside[:, :m].tocsc())
@@ -211,41 +206,27 @@ class _Half:
         return joined
 
 
-def _extract(body: HalfPlane, part: Part, inner, interface) -> "_Half | None":
-    """Every rank takes the matrices of its own part out of the distributed stiffness; empty parts give None."""
+def _half(body: HalfPlane, part: Part, inner, interface) -> "_Half | None":
+    """What this rank knows of its own part; None where that is empty. Collective."""
     dofs = part.dofs
-    is_inner = np.isin(dofs, inner)
-    bulk, strip = dofs[~is_inner], dofs[np.isin(dofs, inner) | np.isin(dofs, interface)]
-    first, last = dofs[is_inner], dofs[np.isin(dofs, interface)]
-    matrix = body.constrained_stiffness
-    axis = dofs[part.on_axis]
-    rest = _submatrix(matrix, bulk, bulk, axis)
-    inside = _submatrix(matrix, first, np.concatenate([first, last]), axis)
+    matrix = _rows(body.constrained_stiffness, dofs)[:, dofs]
     if not len(dofs):
         return None
-    place = {
-        "bulk": np.flatnonzero(~is_inner),
-        "inner": np.flatnonzero(is_inner),
-        "inner in strip": np.searchsorted(strip, first),
-        "interface in strip": np.searchsorted(strip, last),
-        "interface in bulk": np.searchsorted(bulk, last),
-    }
-    return _Half(rest, inside, place, not body.mixed)
+    row = np.repeat(part.on_axis, np.diff(matrix.indptr))
+    matrix.data[row & part.on_axis[matrix.indices]] *= 0.5
+    return _Half(matrix, np.isin(dofs, inner), np.isin(dofs, interface), not body.mixed)
 
 
-def _submatrix(matrix: PETSc.Mat, rows, columns, axis) -> csr_matrix:
-    """Rows and columns (global) of a distributed matrix on this rank; entries between axis dofs belong to a half by
-    half.
-    """
-    order = np.argsort(columns, kind="stable")  # PETSc wants them sorted
-    wanted = [
-        PETSc.IS().createGeneral(np.asarray(d, PETSc.IntType), comm=PETSc.COMM_SELF) for d in (rows, columns[order])
-    ]
-    (found,) = matrix.createSubMatrices(wanted[:1], wanted[1:])
-    indptr, indices, data = found.getValuesCSR()
+def _rows(matrix: PETSc.Mat, rows: np.ndarray) -> csr_matrix:
+    """Rows (h, N), sorted global numbers, of a distributed matrix on this rank. Collective."""
+    first, last = matrix.getOwnershipRange()
+    is_own = (first <= rows) & (rows < last)
+    wanted = [np.asarray(d, PETSc.IntType) for d in (rows[~is_own], np.arange(matrix.size[1]))]
+    (found,) = matrix.createSubMatrices(*([PETSc.IS().createGeneral(d, comm=PETSc.COMM_SELF)] for d in wanted))
+    own, others = (csr_matrix(m.getValuesCSR()[::-1], (m.getLocalSize()[0], matrix.size[1])) for m in (matrix, found))
     found.destroy()
-    for row in np.flatnonzero(np.isin(rows, axis)):
-        entries = slice(indptr[row], indptr[row + 1])
-        data[entries][np.isin(columns[order[indices[entries]]], axis)] *= 0.5
-    result = csr_matrix((data, indices, indptr), shape=(len(rows), len(columns)))
-    return result if np.array_equal(order, np.arange(len(order))) else result[:, np.argsort(order)]
+    own = own[rows[is_own] - first]
+    if np.all(is_own):
+        return own
+    order = np.concatenate([np.flatnonzero(is_own), np.flatnonzero(~is_own)])
+    return vstack([own, others], format="csr")[np.argsort(order)]

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import gmsh
 import numpy as np
+from dolfinx.graph import adjacencylist
 from dolfinx.io import gmshio
 
 from forms.depth import DepthMap
@@ -92,7 +93,8 @@ def layers(grading: Grading, depth: DepthMap, kink: float = np.inf) -> np.ndarra
 def half_plane(comm, x: np.ndarray, s: np.ndarray):
     """Distributed mesh of [x0, x1] x [0, s1] and its facet tags SURFACE (s = 0), FAR (the rest).
 
-    Where x starts at 0 the left side is tagged SYMMETRY instead of FAR.
+    Where x starts at 0 the left side is tagged SYMMETRY instead of FAR. Ranks own columns from left to right, as many
+    each: of two ranks on symmetric columns each has one half of the body.
     """
     if comm.rank == 0:
         gmsh.initialize(interruptible=False)
@@ -115,10 +117,24 @@ def half_plane(comm, x: np.ndarray, s: np.ndarray):
                 gmsh.model.addPhysicalGroup(1, [abs(tag) for tag in tags], group)
         gmsh.model.addPhysicalGroup(2, [body], BODY)
         gmsh.model.mesh.generate(2)
-    mesh, _, facets = gmshio.model_to_mesh(gmsh.model, comm, 0, gdim=2)
+    mesh, _, facets = gmshio.model_to_mesh(gmsh.model, comm, 0, gdim=2, partitioner=_by_columns(comm, x))
     if comm.rank == 0:
         gmsh.finalize()
     return mesh, facets
+
+
+def _by_columns(comm, x):
+    """Partitioner that deals out columns of cells; None on one rank."""
+    if comm.size == 1:
+        return None
+    nodes = gmshio.extract_geometry(gmsh.model)[:, 0] if comm.rank == 0 else np.empty(0)
+
+    def destinations(_comm, parts, _types, cells):
+        middle = nodes[np.asarray(cells[0]).reshape(-1, 4)].mean(axis=1)
+        column = np.searchsorted(x, middle) - 1
+        return adjacencylist((column * parts // (len(x) - 1)).astype(np.int32))
+
+    return destinations
 
 
 def _abscissa(side):

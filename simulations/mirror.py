@@ -1,7 +1,8 @@
 """The body in parts that do not see each other: its symmetric and its antisymmetric half, where it has a mirror.
 
 On a mesh that is its own mirror image in x = 0 every field is the sum of one whose u_x is odd and one whose u_x is
-even. Each is known from its half x >= 0, and each half has a stiffness of its own.
+even. Each is known from one half, and has a stiffness of its own there; the first from x <= 0, the second from x >= 0:
+two ranks that own one half each find in it what they need.
 """
 
 from dataclasses import dataclass, field
@@ -20,7 +21,7 @@ NONE = np.array([], dtype=int)
 class Part:
     """Unknowns of one half, or of the whole body; numbers are global dofs, sorted.
 
-    dofs: (h,) those on x >= 0; mirrored: (o,) indices in ``dofs`` of those off the axis; images: (o,) their mirror
+    dofs: (h,) those on one side; mirrored: (o,) indices in ``dofs`` of those off the axis; images: (o,) their mirror
     images; signs: (o,) what an image is to them. A whole body has none of these.
     """
 
@@ -72,18 +73,19 @@ def parts(body: HalfPlane) -> list[Part]:
     """The symmetric and the antisymmetric part, or the whole body where it is not its own mirror image."""
     position, parity, kind = _positions(body)
     columns, column = _levels(position[:, 0])
-    _, row = _levels(position[:, 1])
+    rows, row = _levels(position[:, 1])
     whole = Part(np.arange(len(parity)))
     asymmetry = np.abs(columns + columns[::-1]).max()
     if body.is_half or len(columns) % 2 == 0 or asymmetry > SAME * np.abs(columns).max():
         return [whole]
+    dofs = np.full((kind.max() + 1, len(columns), len(rows)), -1)
+    dofs[kind, column, row] = np.arange(len(parity))
+    images = dofs[kind, len(columns) - 1 - column, row]
     middle = len(columns) // 2
-    images = np.empty(len(parity), dtype=int)
-    images[np.lexsort((column, row, kind))] = np.lexsort((len(columns) - 1 - column, row, kind))
     halves = []
-    for signs in (parity, -parity):
-        dofs = np.flatnonzero((column > middle) | ((column == middle) & (signs > 0)))
-        mirrored = np.flatnonzero(column[dofs] > middle)
+    for signs, beside in ((parity, column < middle), (-parity, column > middle)):
+        dofs = np.flatnonzero(beside | ((column == middle) & (signs > 0)))
+        mirrored = np.flatnonzero(beside[dofs])
         halves.append(Part(dofs, True, mirrored, images[dofs[mirrored]], signs[dofs[mirrored]]))
     return halves if _is_mirror_image(body, halves[0], len(parity)) else [whole]
 
@@ -106,11 +108,10 @@ def _positions(body):
 
 def _levels(values):
     """Distinct ``values`` (m,), equal up to round-off, and for each of them its level (n,)."""
-    order = np.argsort(values)
-    new = np.diff(values[order]) > SAME * np.abs(values).max()
-    level = np.empty(len(values), dtype=int)
-    level[order] = np.concatenate([[0], np.cumsum(new)])
-    return values[order][np.concatenate([[True], new])], level
+    ordered = np.sort(values)
+    new = np.diff(ordered) > SAME * np.abs(ordered).max()
+    lowest = ordered[np.concatenate([[True], new])]
+    return lowest, np.searchsorted(lowest, values, side="right") - 1
 
 
 def _is_mirror_image(body, half, size):

@@ -1,4 +1,4 @@
-"""The dense Newton step of the condensed problem, on one rank:  (I + T R) df - T e ddelta = b,  sum df = b_load.
+"""The dense Newton step of the condensed problem, on rank 0:  (I + T R) df - T e ddelta = b,  sum df = b_load.
 
 T (sparse) is minus the derivative of the contact forces by the strip's displacements, R the response of the strip to
 contact forces and e its rigid translations. From one step to the next only rows of T change whose contact state does,
@@ -12,7 +12,8 @@ import numpy as np
 from scipy.linalg import lapack
 from scipy.sparse import csr_matrix
 
-from .response import Response
+from .response import SharedResponse
+from .workers import SharedMatrix, Workers
 
 FEW = 0.15  # share of rows that change otherwise before another matrix is inverted
 EXACT = 1e-10  # residual of a step, over the load and over what it is to balance, beyond which it is refined
@@ -30,15 +31,16 @@ class Counts:
 
 
 class DenseTangent:
-    """Factorises and solves the step for tangents T of one sparsity pattern.
+    """Factorises and solves the step for tangents T of one sparsity pattern, on rank 0 while it leads ``workers``.
 
     response: R; translations: (r, m), those of the m directions; sides: 2 for half of a problem.
     """
 
-    def __init__(self, response: Response, translations: np.ndarray, sides: float):
+    def __init__(self, workers: Workers, response: SharedResponse, translations: np.ndarray, sides: float):
         self._response, self._translations = response, translations
         self._rigid = translations.shape[1]
-        self._size = response.columns
+        self._size = response.shape[1]
+        self._inverse = SharedMatrix(workers, "inverse")
         n = self._size // self._rigid
         self._sums = np.hstack([sides * np.kron(np.eye(self._rigid), np.ones(n)), np.zeros((self._rigid, self._rigid))])
         self._base: csr_matrix | None = None
@@ -100,12 +102,12 @@ class DenseTangent:
     def _solve(self, b):
         rows, right = self._rows, b.copy()
         right[rows] = 0.0
-        if not len(rows):
-            return self._inverse @ right
-        wanted = b[rows] - self._ratio * b[self._pressing]
-        wanted -= self._new_rows(self._inverse @ right)
-        right[rows], _ = lapack.dgetrs(self._lu, self._pivots, wanted)
-        return self._inverse @ right
+        x = self._inverse.times(right)
+        if len(rows):
+            wanted = b[rows] - self._ratio * b[self._pressing] - self._new_rows(x)
+            known, _ = lapack.dgetrs(self._lu, self._pivots, wanted)
+            x += self._columns @ known
+        return x
 
     def multiply(self, x: np.ndarray) -> np.ndarray:
         """J x."""
@@ -153,8 +155,9 @@ class DenseTangent:
         right = np.eye(len(active))[active]
         right[:, ~active] = -matrix[:, ~active]
         *_, solution, self._base_singular = lapack.dgesv(matrix[:, active], right)
-        self._inverse = np.eye(len(active))
-        self._inverse[active] = solution
+        inverse = np.eye(len(active), order="F")
+        inverse[active] = solution
+        self._inverse.keep(inverse)
         self._base = None if self._base_singular else tangent
         self.counts.inverses += 1
 
@@ -165,26 +168,16 @@ class DenseTangent:
         self._ratio = np.concatenate([np.zeros(len(free)), ratio[sliding], np.zeros(len(rest))])
         self._pressing = self._rows.copy()
         self._pressing[len(free) : len(free) + len(sliding)] += self._size // 2
-        self._rest = self._known_rows(self._tangent, rest) if len(rest) else np.zeros((0, len(self._inverse)))
+        self._rest = self._known_rows(self._tangent, rest) if len(rest) else np.zeros((0, self._size + self._rigid))
         self._singular = self._base_singular
         if len(self._rows):
-            inverse, rows, few = self._inverse, self._rows, len(free) + len(sliding)
-            matrix = np.empty((len(rows), len(rows)), order="F")
-            matrix[:few] = _block(inverse, rows[:few], rows)
-            matrix[len(free) : few] -= ratio[sliding, None] * _block(inverse, sliding + self._size // 2, rows)
-            if len(rest):
-                matrix[few:] = self._rest @ inverse[:, rows]
-            self._lu, self._pivots, singular = lapack.dgetrf(matrix, overwrite_a=True)
+            self._columns = self._inverse.whole.T[self._rows].T
+            self._lu, self._pivots, singular = lapack.dgetrf(self._new_rows(self._columns), overwrite_a=True)
             self._singular = self._singular or bool(singular)
-            self.counts.rows += len(rows)
+            self.counts.rows += len(self._rows)
 
     def _new_rows(self, x):
-        """The replaced rows of J times ``x``; a sliding one less its ratio times that of the pressure."""
+        """The replaced rows of J times ``x`` (mn + m, ...); a sliding one less its ratio times that of the pressure."""
         few = len(self._rows) - len(self._rest)
-        images = x[self._rows[:few]] - self._ratio[:few] * x[self._pressing[:few]]
+        images = (x[self._rows[:few]].T - self._ratio[:few] * x[self._pressing[:few]].T).T
         return np.concatenate([images, self._rest @ x])
-
-
-def _block(matrix, rows, columns):
-    """matrix[np.ix_(rows, columns)], in half the time."""
-    return matrix[rows].T[columns].T

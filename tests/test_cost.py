@@ -4,6 +4,7 @@ docs/cost.md.
 
 import numpy as np
 import pytest
+from conftest import run_command
 from solving import coarse_simulation, solved
 
 from simulations import schur
@@ -64,6 +65,13 @@ def test_responses_solve_the_whole_body(k):
     residual.array[body.fixed_dofs] = 0.0
     residual.array[compliance._surface_dofs.T.ravel()] -= forces
     assert np.abs(residual.array).max() < 1e-9 * 2.0
+
+
+@pytest.mark.parametrize("ranks", [1, 2, 3])
+def test_what_ranks_share(ranks):
+    """Columns of the mesh and products of dense matrices: every check of ``ranks.py`` on every rank."""
+    done = run_command(ranks=ranks, module="tests.ranks", timeout=60)
+    assert (done.returncode, done.stdout) == (0, f"as many as {ranks}\n"), done.stderr
 
 
 def test_dense_steps_reuse_what_they_know():
