@@ -21,7 +21,7 @@ from typing import NoReturn, TypeVar
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from . import checkpoint
+from . import checkpoint, workers
 from .language import SceneError, shown
 from .output import OutputError
 from .programme import SolveError
@@ -146,17 +146,8 @@ def writable(folder: Path, option: str = "--output") -> Path:
 
 
 def on_root(work: Callable[[], T]) -> T:
-    """Result of ``work`` done by rank 0, or its exception raised on every rank."""
-    result = failure = None
-    if comm.rank == 0:
-        try:
-            result = work()
-        except (SceneError, SystemExit) as problem:
-            failure = problem
-    result, failure = comm.bcast((result, failure))
-    if failure is not None:
-        raise failure
-    return result  # type: ignore[return-value]
+    """Result of ``work`` done by rank 0, or what is wrong with its input raised on every rank."""
+    return workers.on_root(comm, work, (SceneError, SystemExit))
 
 
 def set_petsc_options(options: tuple[str, ...]):

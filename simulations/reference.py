@@ -8,13 +8,11 @@ from typing import Protocol
 import numpy as np
 
 from analytic import CylinderContact, FrettingLoop, ProfileContact
-from analytic.half_plane_linear import ContactNotConverged
 from analytic.half_plane_state import ContactState
 
 from .edges import half_plane_solver
 from .history import Entry, History
 from .simulation import Simulation
-
 
 NODES = (400, 300)  # of the half-plane solver; the next number is tried where one does not converge
 
@@ -94,7 +92,7 @@ class HalfPlane:
                 states = solver.run(loads)
                 self.nodes = nodes
                 break
-            except (ContactNotConverged, ValueError, RuntimeError) as reason:
+            except (RuntimeError, ValueError) as reason:
                 failure = failure or reason  # the one of the finest nodes is told
         else:
             raise NoReference(str(failure))

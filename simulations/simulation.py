@@ -24,6 +24,7 @@ from .programme import LoadProgramme, SolveError, pressing, rocking, visiting
 from .scaling import Scaled
 from .scene import Scene
 from .timing import Stopwatch
+from .workers import on_root
 
 # The far field is known less well where a coating is not in it, or where coupling moves the contact aside and with it
 # the line on which P acts (k = -0.5: 8 % of a, which costs 8e-3 in p at 20 a): it is prescribed that much further away.
@@ -53,7 +54,7 @@ class Simulation:
         check_parameters(scene)
         if like is None:
             with self.watch("mesh"):
-                self.cells = cells or comm.bcast(self._grading() if comm.rank == 0 else None)
+                self.cells = cells or on_root(comm, self._grading)
                 check_resolution(scene, self.cells, self.loop)
                 self.ordinates = self._ordinates()
                 check_size(scene, self.cells, *(len(nodes) - 1 for nodes in self.ordinates))

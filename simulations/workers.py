@@ -1,10 +1,29 @@
-"""Work of rank 0 alone, in which the other ranks lend a hand: sums over the ranks of what each of them keeps a part of.
+"""Work of rank 0 alone: what comes of it on every rank, and sums over the ranks of what each keeps a part of.
 
 All ranks enter ``Workers.lead`` together. Rank 0 works through its task and decides alone what comes next; the others
 wait for the sums it asks for, and leave when it has done. On one rank nothing is sent.
 """
 
+from collections.abc import Callable
+from typing import TypeVar
+
 import numpy as np
+
+T = TypeVar("T")
+
+
+def on_root(comm, work: Callable[[], T], expected=Exception) -> T:
+    """Result of ``work`` done by rank 0, or the ``expected`` exceptions of it raised on every rank. Collective."""
+    result = failure = None
+    if comm.rank == 0:
+        try:
+            result = work()
+        except expected as problem:
+            failure = problem
+    result, failure = comm.bcast((result, failure))
+    if failure is not None:
+        raise failure
+    return result  # type: ignore[return-value]
 
 
 class Workers:

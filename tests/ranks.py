@@ -4,7 +4,7 @@ import numpy as np
 from mpi4py import MPI
 
 from simulations.mesh import half_plane
-from simulations.workers import SharedMatrix, Workers
+from simulations.workers import SharedMatrix, Workers, on_root
 
 comm = MPI.COMM_WORLD
 
@@ -42,13 +42,19 @@ def check_matrix():
 
 
 def check_failure():
-    """What fails on rank 0 while it leads fails there alone; the others are let go."""
+    """What fails on rank 0 while it leads fails there alone, and lets the others go; what it does for all, on all."""
     workers = Workers(comm)
     try:
         workers.lead(lambda: 1 // 0)
         assert comm.rank > 0
     except ZeroDivisionError:
         assert comm.rank == 0
+    assert on_root(comm, lambda: comm.rank) == 0
+    try:
+        on_root(comm, lambda: 1 // 0)
+    except ZeroDivisionError:
+        return
+    raise AssertionError("no failure")
 
 
 for check in (check_columns, check_sums, check_matrix, check_failure):
