@@ -61,12 +61,13 @@ def go(simulation: Simulation, folder, quiet: bool, again: str):
 
 
 def judge(simulation: Simulation, results: Results, folder, progress: Progress):
-    """Say the error found, or estimated where there is no closed form, beside the accuracy asked for; and keep it."""
+    """Say the error found, or estimated where there is no closed form to find it by, beside the accuracy asked for;
+    and keep it.
+    """
     scene = simulation.scene
-    exact = scene.has_closed_form
-    if exact:
-        errors = comm.bcast(results.summary.get("errors"))
-    else:
+    errors = comm.bcast(results.summary.get("errors")) if scene.has_closed_form else None
+    exact = errors is not None
+    if not exact:
         progress.say("second mesh, for the estimate of the error")
         other, ratio = coarser(comm, scene)
         errors = estimated(simulation, other.run_to_end(), ratio)

@@ -103,9 +103,11 @@ def test_command_says_expected_and_found(tmp_path):
     assert not summary["accuracy"]["is_estimate"]
 
 
-def test_command_estimates_where_there_is_no_closed_form(tmp_path):
+@pytest.mark.parametrize("nu", ["0.4", '"holl"'])
+def test_command_estimates_where_there_is_no_reference(tmp_path, nu):
+    """Coupled, and where the closed form is not wanted."""
     scene = tmp_path / "coupled.toml"
-    scene.write_text(DEFAULT_SCENE.replace('"holl"', "0.4").replace("cycles = 1", "cycles = 0"))
+    scene.write_text(DEFAULT_SCENE.replace('"holl"', nu).replace("cycles = 1", "cycles = 0"))
     done = run_command(scene, "--accuracy", "1e-2", "--set", "reference.kind=none", "--output", tmp_path / "out")
     assert done.returncode == 0, done.stderr
     assert "estimated, not measured" in done.stdout
