@@ -37,21 +37,22 @@ def check_parameters(scene: Scene):
 
 def check_size(scene: Scene, cells: Grading, columns: int, layers: int):
     """SceneError for meshes, of so many cells along x and into the depth, that no ordinary machine holds."""
-    unknowns = 2 * (2 * columns + 1) * (2 * layers + 1)
-    keys = "mesh.facet, mesh.edge_facet, mesh.growth, mesh.first_layer, mesh.layer_growth, mesh.extent"
+    degree = scene["mesh.degree"]
+    unknowns = 2 * (degree * columns + 1) * (degree * layers + 1)
+    keys = "mesh.facet, mesh.edge_facet, mesh.growth, mesh.first_layer, mesh.layer_growth, mesh.extent, mesh.degree"
     if unknowns > MOST_UNKNOWNS:
         raise SceneError(
             f"the mesh is too fine: {columns} x {layers} cells are {unknowns:.2g} unknowns, the limit is "
             f"{MOST_UNKNOWNS:.0e} ({keys})"
         )
     if scene["solver.method"] == "condensed":
-        nodes = 2 * min(columns, 2 * cells.strip / min(cells.facet, cells.edge_facet))
+        nodes = degree * min(columns, 2 * cells.strip / min(cells.facet, cells.edge_facet))
         # response of the strip; the dense Jacobian, its factors and the rows of it that are kept
         size = 8e-9 * nodes * (12 * nodes + 16 * nodes)
         if size > MOST_MATRIX:
             raise SceneError(
                 f"the mesh is too fine: {nodes:.0f} surface nodes make dense matrices of {size:.0f} GB, the limit is "
-                f"{MOST_MATRIX:g} (mesh.facet, mesh.edge_facet, mesh.growth; or solver.method)"
+                f"{MOST_MATRIX:g} (mesh.facet, mesh.edge_facet, mesh.growth, mesh.degree; or solver.method)"
             )
 
 
