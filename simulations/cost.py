@@ -2,6 +2,7 @@
 
 import argparse
 import csv
+import importlib.util
 import json
 import os
 import shutil
@@ -34,13 +35,16 @@ def main(arguments: list[str]):
         "--peer", action="store_true", help="also GetFEM on the homogeneous loop, where it is installed"
     )
     parser.add_argument(
-        "--calibrate", action="store_true", help="write the table that --accuracy reads from what is measured"
+        "--calibrate", action="store_true", help="renew the table that --accuracy reads from what is measured"
     )
     parser.add_argument("--case", help=argparse.SUPPRESS)
     given = parser.parse_args(arguments)
-    wanted = [case for case in cases() if given.only in case.name]
     if given.case:
         return _one(given.case)
+    has_getfem = importlib.util.find_spec("getfem") is not None
+    if given.peer and not has_getfem:
+        say("GetFEM is not installed (python3-getfem): no peer")
+    wanted = [case for case in cases(given.peer and has_getfem) if given.only in case.name]
     if not wanted:
         raise SceneError(f"--only {given.only}: no such case; --list names them")
     if given.list:
@@ -54,16 +58,9 @@ def main(arguments: list[str]):
         if case.name not in done:
             row = _measured_apart(case)
             _append(path, row)
-            said = (
-                row.get("failure")
-                or f"{row['unknowns']} unknowns, {row['cpu_s']:.2f} s CPU, error {row['largest']:.1e}"
-            )
+            said = row.get("failure")
+            said = said or f"{row['unknowns']} unknowns, {row['cpu_s']:.2f} s CPU, error {row['largest']:.1e}"
             say(f"{number:4d}/{len(wanted)}  {case.name}: {said}")
-    if given.peer:
-        from .peer_getfem import compare_peer
-
-        for row in compare_peer({name_of(row) for row in read(path)}, say):
-            _append(path, row)
     rows = read(path)
     if given.calibrate:
         calibrate(rows)
@@ -85,22 +82,21 @@ def name_of(row: dict) -> str:
 
 
 def calibrate(rows: list[dict]):
-    """Write ``accuracy.csv`` from the study of fineness: the worse of the two amplitudes, where both were measured."""
+    """Renew ``accuracy.csv`` from the study of fineness: the worse of the two amplitudes, where both were measured."""
     found: dict[tuple[float, float], list[dict]] = {}
     for row in rows:
         if row["study"] in ("fineness", "half load") and not row["failure"]:
             key = Case("", row["problem"], "").k, float(row["level"])
             found.setdefault(key, []).append(row)
-    lines = [
-        (*key, max(r["largest"] for r in two), max(r["cpu_s"] for r in two))
-        for key, two in found.items()
-        if len(two) == 2
-    ]
+    lines = {(m.k, m.fineness): (m.error, m.seconds) for m in accuracy.table()}
+    for key, two in found.items():
+        if len(two) == 2:
+            lines[key] = max(r["largest"] for r in two), max(r["cpu_s"] for r in two)
     with accuracy.TABLE.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(("k", "fineness", "error", "seconds"))
         writer.writerows(
-            (f"{k:g}", f"{t:g}", f"{error:.2e}", f"{seconds:.2f}") for k, t, error, seconds in sorted(lines)
+            (f"{k:g}", f"{t:g}", f"{error:.2e}", f"{seconds:.2f}") for (k, t), (error, seconds) in sorted(lines.items())
         )
 
 
@@ -141,9 +137,11 @@ def _measured_apart(case: Case) -> dict:
 
 
 def _one(name: str):
-    from .cost_model import measure
-
     (case,) = (case for case in cases() if case.name == name)
+    if case.problem == "GetFEM":
+        from .peer_getfem import measure
+    else:
+        from .cost_model import measure
     row = measure(case)
     if comm.rank == 0:
         print(MARK + json.dumps(row), flush=True)

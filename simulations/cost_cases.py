@@ -25,6 +25,12 @@ TABLE = {
     f"k={k:g}": LOOP.format(k=k, nu=0.3, coupling="false") for k in (-0.25, 0.9)
 }  # for the table of accuracy.py alone
 PEER = LOOP.format(k=0.0, nu=0.495, coupling="true")
+GETFEM = {  # by fineness: growth of its layers, extent, mixed form; the first is to be as cheap as it can
+    4.0: (2.0, 20.0, False),
+    2.8: (1.6, 100.0, True),
+    2.0: (1.6, 100.0, True),
+    1.4: (1.6, 100.0, True),
+}
 FINENESS = (8.0, 4.0, 2.8, 2.0, 1.4, 1.0, 0.7, 0.5, 0.35, 0.25)
 VARIED = {  # one at a time, around the default settings
     "mesh.facet": (0.2, 0.1, 0.05, 0.0125, 0.00625),
@@ -58,15 +64,15 @@ class Case:
     @property
     def text(self) -> str:
         """Its scene."""
-        return PEER if self.problem == "peer" else (PROBLEMS | TABLE)[self.problem]
+        return PEER if self.study == "peer" else (PROBLEMS | TABLE)[self.problem]
 
     @property
     def k(self) -> float:
         """Grading."""
-        return 0.3 if self.problem == "default" else 0.0 if self.problem == "peer" else float(self.problem[2:])
+        return 0.3 if self.problem == "default" else 0.0 if self.study == "peer" else float(self.problem[2:])
 
 
-def cases() -> list[Case]:
+def cases(with_getfem: bool = True) -> list[Case]:
     """All of them; those that many others are compared with first."""
     found = []
     for problem in PROBLEMS | TABLE:
@@ -102,4 +108,6 @@ def cases() -> list[Case]:
         for ranks in (1, 2):
             found.append(Case("size", "default", f"{unknowns:.0e} on {ranks}", sizes, ranks))
     found += [Case("peer", "peer", f"{t:g}", accuracy.family(t, 0.0) | {"solver.increments": 10}) for t in FINENESS[:7]]
+    if with_getfem:
+        found += [Case("peer", "GetFEM", f"{t:g}") for t in GETFEM]
     return found

@@ -1,21 +1,21 @@
 """The homogeneous loop by GetFEM, on the axes of the study of cost: its augmented Lagrangian with a coupled Coulomb
 projection.
 
-Same problem and same graded mesh, P2 displacements and P1 multipliers; the cylinder is a rigid obstacle with the flat
-surface's normal, moved by the two line loads; the far field is prescribed as in this package. GetFEM is not needed for
-anything else.
+The same problem on a graded mesh of the same kind: P2 displacements, P1 multipliers, and a P1 mean stress where the
+mixed form pays; the cylinder is a rigid obstacle with the flat surface's normal, moved by the two line loads; the far
+field is prescribed as in this package. GetFEM is not needed for anything else.
 """
 
 import time
-from collections.abc import Iterator
 
+import getfem
 import numpy as np
 
 from analytic import point_force_displacement
 from forms.depth import DepthMap
 
 from .comparison import relative_l2
-from .cost_cases import PEER
+from .cost_cases import GETFEM, Case
 from .edges import half_plane_solver
 from .effects import Effects
 from .mesh import Grading, columns, layers
@@ -25,45 +25,32 @@ from .scaling import Scaled
 from .scene import parse
 
 CONTACT, FAR = 1, 2
-# Growth of the layers by the fineness t (facets of 0.025 t half-widths); the first mesh is to be as cheap as it can.
-LAYERS = {4.0: 2.0, 2.8: 1.6, 2.0: 1.6, 1.4: 1.6}
 QUARTER = 10  # increments up; forty for the cycle
 TOLERANCE = 1e-10  # of the residual at P = 1; 1e-6 is a fifth faster and enough on the two coarse meshes only
 MOVE = "[1,0;0,0]*(u-d-s0)"  # slip of the increment
 
 
-def compare_peer(done: set[str], say) -> Iterator[dict]:
-    """Rows of the study for GetFEM, those in ``done`` left out; none, with a message, where it is not installed."""
-    try:
-        import getfem
-    except ImportError:
-        say("GetFEM is not installed (python3-getfem): no peer")
-        return
-    for t in LAYERS:
-        if f"peer/GetFEM/{t:g}" not in done:
-            row = {"study": "peer", "problem": "GetFEM", "level": f"{t:g}", "ranks": 1} | _measured(getfem, t)
-            said = row.get("failure") or f"{row['cpu_s']:.1f} s CPU, error {row['largest']:.1e}"
-            say(f"GetFEM {t:g}: {said}")
-            yield row
-
-
-def _measured(getfem, t):
-    scene = parse(PEER, (f"solver.increments={QUARTER}",))
+def measure(case: Case) -> dict:
+    """Seconds, sizes and errors of the loop by GetFEM on one mesh; ``failure`` where there is no answer."""
+    t = float(case.level)
+    scene = parse(case.text, (f"solver.increments={QUARTER}",))
     scaled = Scaled.of(scene)
     edge = 1.25e-3 * t**2
-    grading = Grading((-scaled.contact.a, -0.317, 0.317, scaled.contact.a), 0.025 * t, edge, 1.6, edge, LAYERS[t])
+    edges = -scaled.contact.a, -0.317, 0.317, scaled.contact.a
+    layer_growth, extent, is_mixed = GETFEM[t]
+    grading = Grading(edges, 0.025 * t, edge, 1.6, edge, layer_growth, extent)
     programme = rocking(1.0, 0.9 * scene["load.mu"], 1, QUARTER)
     wall, cpu = time.perf_counter(), time.process_time()
     try:
-        unknowns, states = _loop(getfem, scene, scaled, grading, programme)
+        unknowns, states = _loop(scene, scaled, grading, is_mixed, programme)
+        row = {"unknowns": unknowns, "surface_nodes": len(states[0]["x"]), "increments": len(states)}
+        row |= {"wall_s": time.perf_counter() - wall, "cpu_s": time.process_time() - cpu}
+        return row | _errors(scene, scaled, programme, states)
     except RuntimeError as error:
         return {"failure": str(error).splitlines()[0][:200]}
-    row = {"unknowns": unknowns, "surface_nodes": len(states[0]["x"]), "increments": len(states)}
-    row |= {"wall_s": time.perf_counter() - wall, "cpu_s": time.process_time() - cpu}
-    return row | _errors(scene, scaled, programme, states)
 
 
-def _loop(getfem, scene, scaled, grading, programme):
+def _loop(scene, scaled, grading, is_mixed, programme):
     """Number of unknowns, and after each increment x, weight, p, q and slip at the contact's P2 nodes."""
     getfem.util("trace level", 0)
     getfem.util("warning level", 0)
@@ -90,7 +77,13 @@ def _loop(getfem, scene, scaled, grading, programme):
     curvature = 2.0 * float(scaled.indenter.height(1.0))
     model.add_initialized_data("A", [curvature])
     model.add_initialized_fem_data("s0", u, np.zeros(u.nbdof()))
-    model.add_linear_term(integration, "(la*Trace(Grad_u)*Id(2)+2*mu*Sym(Grad_u)):Grad_Test_u")
+    elasticity = "(la*Trace(Grad_u)*Id(2)+2*mu*Sym(Grad_u)):Grad_Test_u"
+    if is_mixed:
+        mean_stress = getfem.MeshFem(mesh, 1)
+        mean_stress.set_fem(getfem.Fem("FEM_QK(2,1)"))
+        model.add_fem_variable("m", mean_stress)
+        elasticity = "2*mu*Sym(Grad_u):Grad_Test_u+m*Trace(Grad_Test_u)+(Trace(Grad_u)-m/la)*Test_m"
+    model.add_linear_term(integration, elasticity)
     model.add_initialized_fem_data("far", u, np.zeros(u.nbdof()))
     model.add_Dirichlet_condition_with_simplification("u", FAR, "far")
     gap = "(A*X(1)*X(1)/2+d(2)-u(2))"
