@@ -3,7 +3,8 @@ the other.
 
 Such a stick zone is narrower than a facet. An iterate in which all points slide leaves the cylinder free to move: the
 tangent is singular. There one point is held instead, the one that slides least. If it would take more than its limit
-of friction it slides after all, and held is the one that slides least of those that slide the other way.
+of friction it slides after all, and held is the one that slides least of those that slide the other way, or of the
+others where all go one way.
 """
 
 import numpy as np
@@ -28,23 +29,23 @@ class HeldPoint:
             return False
         states = self._problem.contact_states()
         sliding = (states == FORWARD) | (states == BACKWARD)
-        way = self._way(states)
+        state = self._state_of_held(states)
         sticks, slides = np.any(self._comm.allgather((np.any(states == CLOSED), np.any(sliding))), axis=0)
-        if sticks and way != CLOSED:  # others do
+        if sticks and state != CLOSED:  # others do
             self.release()
         if sticks or not slides:
             return False
-        found = self._least(sliding & (states != way))
+        found = self._least(sliding & (states != state))
         self._held = self._least(sliding & ~self._at_held()) if found is None else found
         self._problem.hold(self._at_held())
-        return True
+        return self._held is not None
 
     def release(self):
         """Forget which point was held."""
         self._held = None
 
     def _least(self, among) -> float | None:
-        """x of the point that slides least of those ``among`` which it is sought; None without any."""
+        """x of the point that slides least among those (bool (m,)) of all ranks; None without any."""
         beyond = np.where(among, self._problem.slip_beyond_limit(), np.inf)
         least = [(beyond[i], self._x[i]) for i in np.argsort(beyond)[:1] if among[i]]
         return min(sum(self._comm.allgather(least), []), default=(0.0, None))[1]
@@ -52,6 +53,6 @@ class HeldPoint:
     def _at_held(self):
         return np.abs(self._x - self._held) <= SAME if self._held is not None else np.zeros(len(self._x), bool)
 
-    def _way(self, states) -> int:
+    def _state_of_held(self, states) -> int:
         """The contact state of the point held before; -1 if there was none."""
         return self._comm.allreduce(int(states[self._at_held()].max(initial=-1)), MPI.MAX)

@@ -21,7 +21,7 @@ from forms import contact
 
 from .body import HalfPlane, X, Y
 
-NO_CELLS = np.array([], dtype=np.int32)  # the field's own
+NO_CELLS = np.array([], dtype=np.int32)  # for dolfinx: the cells of the source are those of the target
 OPEN, BACKWARD, CLOSED, FORWARD = 0, 1, 2, 3  # contact states: sliding along -x, closed or stuck, sliding along +x
 
 
@@ -59,9 +59,8 @@ class ContactProblem:
         traction = body.traction(u, pi)
         tractions = {}
         if Y in directions:
-            profile = fem.Function(
-                fem.functionspace(body.mesh, ("Lagrange", body.degree))
-            )  # the terms live at its nodes
+            # of the displacements' degree: the contact terms live at their nodes
+            profile = fem.Function(fem.functionspace(body.mesh, ("Lagrange", body.degree)))
             profile.interpolate(lambda x: height(x[0]), body.strip_cells)  # it may end beyond
             gap = contact.gap(u, profile, body.delta)
             pressure = tractions[Y] = contact.contact_pressure(traction, gap, gamma)
@@ -79,7 +78,7 @@ class ContactProblem:
                 pressure = ufl.conditional(ufl.gt(self.lagged, 0.5), self._lagged_pressure, pressure)
             s = contact.relative_displacement(u, body.delta)
             trial = contact.trial_traction(traction, s, self.anchor, gamma)
-            self._slid, self._rest_values = self._point_values("slid"), self._point_values("rest position")
+            self._slid, self._scratch = self._point_values("slid"), self._point_values("scratch")
             limit = self.mu * pressure
             sliding = contact.slides(trial, limit, self._slid)
             self._sliding = self._expression(sliding)
@@ -203,8 +202,8 @@ class ContactProblem:
 
     def slip_beyond_limit(self) -> np.ndarray:
         """How far the surface points of this rank's cells slide beyond where friction stops them (m,) [length]."""
-        self._interpolate(self._rest_values, self._beyond)
-        return self._rest_values.x.array[self._surface_points]
+        self._interpolate(self._scratch, self._beyond)
+        return self._scratch.x.array[self._surface_points]
 
     def hold(self, which: np.ndarray):
         """Let those surface points of this rank's cells (bool (m,)) not slide until ``note_`` or ``forget_sliding``."""
@@ -233,8 +232,8 @@ class ContactProblem:
 
     def rest_positions(self) -> np.ndarray:
         """Where the surface points of this rank's cells would be anchored now (m,)."""
-        self._interpolate(self._rest_values, self._rest)
-        return self._rest_values.x.array[self._surface_points]
+        self._interpolate(self._scratch, self._rest)
+        return self._scratch.x.array[self._surface_points]
 
     def move_anchors(self, which: np.ndarray, positions: np.ndarray):
         """Anchor those surface points of this rank's cells (bool (m,)) at these positions (m,)."""
@@ -286,7 +285,7 @@ class ContactProblem:
         self._interpolate(self.anchor, expression)
 
     def _interpolate(self, field, expression):
-        # past the wrapper in Python, which is dearer than what it wraps
+        # past the wrapper in Python (as of dolfinx 0.9), which is dearer than what it wraps
         field._cpp_object.interpolate(expression()._cpp_object, self.body.strip_cells, NO_CELLS)
         field.x.scatter_forward()
 

@@ -244,15 +244,21 @@ class LoadProgramme:
         """
         problem, newton = self.problem, self._newton
         newton.after_linearise, newton.after_residual = problem.note_sliding, self._held_point.update
-        newton.confirms, confirms = False, newton.confirms  # that is for Coulomb's law as it is
-        guarded = newton.solve(load, problem.all_stick)
-        newton.after_linearise, newton.after_residual, newton.confirms = lambda: None, lambda: False, confirms
+        guarded = self._by_another_law(load, problem.all_stick)
+        newton.after_linearise, newton.after_residual = lambda: None, lambda: False
         problem.forget_sliding()
         self._held_point.release()
         if not guarded.converged:
             return guarded
         results.append(guarded)
         return self._newton.solve(load)
+
+    def _by_another_law(self, load, predict) -> NewtonResult:
+        """A solve on the way: whether its contact states are at rest is only asked under Coulomb's law as it is."""
+        self._newton.confirms, confirms = False, self._newton.confirms
+        result = self._newton.solve(load, predict)
+        self._newton.confirms = confirms
+        return result
 
     def _fixed_point(self, load, results: list[NewtonResult]) -> NewtonResult:
         """Friction limited by the last sweep's pressure, sweep after sweep until that is the present one.
@@ -264,7 +270,7 @@ class LoadProgramme:
         for _ in range(MAX_SWEEPS):
             problem.lag_pressure()
             problem.lagged.value = 1.0
-            sweep = self._newton.solve(load, predict)
+            sweep = self._by_another_law(load, predict)
             problem.lagged.value = 0.0
             if not sweep.converged:
                 return replace(sweep, reason=f"in a fixed-point sweep, {sweep.reason}")

@@ -135,9 +135,8 @@ class DenseTangent:
         data = [tangent.data[tangent.indptr[row] : tangent.indptr[row + 1]] for row in rows]
         new = [i for i, row in enumerate(rows) if row not in self._known or np.any(self._known[row][0] != data[i])]
         if new:
-            self._known.update(
-                (rows[i], (data[i].copy(), full.copy())) for i, full in zip(new, self._full_rows(tangent, rows[new]))
-            )
+            for i, full in zip(new, self._full_rows(tangent, rows[new])):
+                self._known[rows[i]] = data[i].copy(), full.copy()
         return np.array([self._known[row][1] for row in rows])
 
     def _full_rows(self, tangent, rows):
