@@ -47,17 +47,18 @@ class SurfaceSampler:
         x = gathered(body.mesh.comm, body.displacements.tabulate_dof_coordinates()[self._nodes, 0])
         self._order = np.argsort(x)
         self.x = x[self._order]
-        self.weight = self._collect(problem.tributary_lengths())
+        self.weight = self._collect(problem.tributary_lengths()[self._nodes])
         if body.is_half:
             self.weight[len(self.x) - 1] *= 2.0  # the node on the axis
             self.x = np.concatenate([-self.x[:0:-1], self.x])
 
     def sample(self, problem: ContactProblem) -> SurfaceState:
         """The present state of the surface; contact tractions are nodal forces over tributary lengths."""
-        force = [self._collect(problem.nodal_forces(i)) for i in (X, Y)]
+        force = [self._collect(problem.nodal_forces(i, self._nodes)) for i in (X, Y)]
         if self.body.is_half:
             force[Y][len(self.x) // 2] *= 2.0
-        u, held = (state.x.array[self.body.dofs] for state in (self.body.state, problem.held_state or self.body.state))
+        dofs = self.body.dofs[self._nodes]
+        u, held = (state.x.array[dofs] for state in (self.body.state, problem.held_state or self.body.state))
         neglected = held[:, X] if self._uncoupled else np.zeros(len(u))
         return SurfaceState(
             x=self.x,
@@ -71,7 +72,7 @@ class SurfaceSampler:
 
     def _collect(self, nodal, mirrored: int = 1):
         """Sorted values of all ranks; for half a problem also those of its mirror image, times ``mirrored``."""
-        values = gathered(self.body.mesh.comm, nodal[self._nodes])[self._order]
+        values = gathered(self.body.mesh.comm, nodal)[self._order]
         if self.body.is_half:
             return np.concatenate([mirrored * values[:0:-1], values])
         return values

@@ -171,11 +171,11 @@ class ContactProblem:
         """Contact forces along x and y on owned ``nodes``, (n, 2); zero along a direction without a term."""
         return self._on_strip(self._nodal)[self.body.dofs[: self.body.owned_nodes][nodes]]
 
-    def nodal_forces(self, direction: int) -> np.ndarray:
-        """Contact force along x (0) or y (1) on every owned node, (n,), that of a pressure held included."""
+    def nodal_forces(self, direction: int, nodes=slice(None)) -> np.ndarray:
+        """Contact force along x (0) or y (1) on owned ``nodes``, (n,), that of a pressure held included."""
         if direction == Y and self.held_forces is not None:
-            return self.held_forces.copy()
-        return self.contact_forces()[:, direction]
+            return self.held_forces[nodes]
+        return self.contact_forces(nodes)[:, direction]
 
     def contact_states(self) -> np.ndarray:
         """At the surface points of this rank's cells (m,): OPEN, CLOSED, FORWARD or BACKWARD."""

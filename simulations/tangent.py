@@ -13,7 +13,7 @@ from scipy.linalg import lapack
 from scipy.sparse import csr_matrix
 
 from .response import SharedResponse
-from .workers import SharedMatrix, Workers
+from .workers import SharedInverse, Workers
 
 FEW = 0.15  # share of rows that change otherwise before another matrix is inverted
 EXACT = 1e-10  # residual of a step, over the load and over what it is to balance, beyond which it is refined
@@ -40,7 +40,7 @@ class DenseTangent:
         self._response, self._translations = response, translations
         self._rigid = translations.shape[1]
         self._size = response.shape[1]
-        self._inverse = SharedMatrix(workers, "inverse")
+        self._inverse = SharedInverse(workers)
         n = self._size // self._rigid
         self._sums = np.hstack([sides * np.kron(np.eye(self._rigid), np.ones(n)), np.zeros((self._rigid, self._rigid))])
         self._base: csr_matrix | None = None
@@ -151,12 +151,7 @@ class DenseTangent:
         """Make ``tangent`` the base: an open node's row is that of the identity and stays out of the factorisation."""
         active = np.append(~free, np.ones(self._rigid, bool))
         matrix = np.vstack([self._full_rows(tangent, np.flatnonzero(~free)), self._sums])
-        right = np.eye(len(active))[active]
-        right[:, ~active] = -matrix[:, ~active]
-        *_, solution, self._base_singular = lapack.dgesv(matrix[:, active], right)
-        inverse = np.eye(len(active), order="F")
-        inverse[active] = solution
-        self._inverse.keep(inverse)
+        self._base_singular = not self._inverse.invert(matrix, active)
         self._base = None if self._base_singular else tangent
         self.counts.inverses += 1
 

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from typing import TypeVar
 
 import numpy as np
+from scipy.linalg import lapack
 
 T = TypeVar("T")
 
@@ -67,32 +68,42 @@ class Workers:
         return total
 
 
-class SharedMatrix:
-    """A square matrix of rank 0 of which every rank keeps some columns, to multiply vectors with them.
+class SharedInverse:
+    """The inverse of a matrix of rank 0, of which every rank works out some columns and multiplies vectors with them.
 
-    whole: the matrix (n, n) on rank 0, None elsewhere.
+    whole: the inverse (n, n) on rank 0, None elsewhere.
     """
 
-    def __init__(self, workers: Workers, name: str):
-        self._workers, self._name = workers, name
+    def __init__(self, workers: Workers):
+        self._workers = workers
         self.whole: np.ndarray | None = None
-        workers.can(f"share {name}", self._share)
-        workers.can(f"{name} b", self._times)
+        workers.can("columns of the inverse", self._invert)
+        workers.can("inverse b", self._times)
 
-    def keep(self, matrix: np.ndarray):
-        """Replace it by ``matrix`` (n, n), in column order."""
-        self.whole = matrix
-        self._workers.sum(f"share {self._name}", matrix)
+    def invert(self, rows: np.ndarray, active: np.ndarray) -> bool:
+        """Invert the matrix whose ``active`` rows (bool (n,)) are ``rows`` (g, n), the others those of the identity;
+        whether that can be done.
+        """
+        self.whole = self._workers.sum("columns of the inverse", rows, active).T
+        return not self._is_singular
 
     def times(self, b: np.ndarray) -> np.ndarray:
-        """matrix @ b."""
-        return self._workers.sum(f"{self._name} b", b)
+        """inverse @ b."""
+        return self._workers.sum("inverse b", b)
 
-    def _share(self, matrix):
-        comm, n = self._workers.comm, len(matrix)
-        self._columns = slice(n * comm.rank // comm.size, n * (comm.rank + 1) // comm.size)
-        own = matrix[:, self._columns]
-        self._own = own if comm.rank == 0 else own.copy(order="F")
+    def _invert(self, rows, active):
+        """The transposed inverse (n, n) where it is this rank's, zero elsewhere."""
+        comm, n = self._workers.comm, len(active)
+        self._columns = slice(*(-(-n * rank // comm.size) for rank in (comm.rank, comm.rank + 1)))  # rank 0 has some
+        whole = np.zeros((n, n))
+        self._own = whole[self._columns].T
+        self._own[self._columns] = np.eye(self._own.shape[1])
+        right = self._own[active]
+        passive = ~active[self._columns]
+        right[:, passive] = -rows[:, self._columns][:, passive]
+        if right.shape[1]:
+            *_, self._own[active], self._is_singular = lapack.dgesv(rows[:, active], right)
+        return whole
 
     def _times(self, b):
         return self._own @ b[self._columns]

@@ -4,7 +4,7 @@ import numpy as np
 from mpi4py import MPI
 
 from simulations.mesh import half_plane
-from simulations.workers import SharedMatrix, Workers, on_root
+from simulations.workers import SharedInverse, Workers, on_root
 
 comm = MPI.COMM_WORLD
 
@@ -28,17 +28,23 @@ def check_sums():
     assert found == ([3 * [i * total] for i in range(comm.size + 1)] if comm.rank == 0 else None)
 
 
-def check_matrix():
-    """Products with a matrix that only rank 0 has, replaced by one of another size."""
+def check_inverse():
+    """Inverses of matrices that only rank 0 has, some of their rows those of the identity, one size after another."""
     workers = Workers(comm)
-    matrix = SharedMatrix(workers, "matrix")
+    inverse = SharedInverse(workers)
     for n in (7, 2, 11):
-        whole, b = np.random.default_rng(n).random((n, n)), np.arange(1.0, n + 1)
-        workers.lead(lambda: matrix.keep(np.asfortranarray(whole)))
-        product = workers.lead(lambda: matrix.times(b))
-        assert (product is None) == (matrix.whole is None) == (comm.rank > 0)
+        random = np.random.default_rng(n)
+        matrix, active, b = np.eye(n) + 0.3 * random.random((n, n)), random.random(n) < 0.7, np.arange(1.0, n + 1)
+        matrix[~active] = np.eye(n)[~active]
+        done = workers.lead(lambda: inverse.invert(matrix[active], active))
+        product = workers.lead(lambda: inverse.times(b))
         if comm.rank == 0:
-            np.testing.assert_allclose(product, whole @ b, rtol=1e-14)
+            assert done
+            np.testing.assert_allclose(inverse.whole @ matrix, np.eye(n), atol=1e-12)
+            np.testing.assert_allclose(matrix @ product, b, rtol=1e-12)
+        assert (product is None) == (inverse.whole is None) == (comm.rank > 0)
+    done = workers.lead(lambda: inverse.invert(np.ones((2, 2)), np.ones(2, bool)))
+    assert done is (False if comm.rank == 0 else None)
 
 
 def check_failure():
@@ -57,7 +63,7 @@ def check_failure():
     raise AssertionError("no failure")
 
 
-for check in (check_columns, check_sums, check_matrix, check_failure):
+for check in (check_columns, check_sums, check_inverse, check_failure):
     check()
     comm.Barrier()
 if comm.rank == 0:
