@@ -15,7 +15,7 @@ from .simulation import Simulation
 
 COARSE = {
     "mesh.facet": 0.5,
-    "mesh.edge_facet": 0.1,
+    "mesh.edge_facet": 0.05,
     "mesh.growth": 3.0,
     "mesh.first_layer": 0.05,
     "mesh.layer_growth": 2.5,

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from .scene import Scene
 
 MOST_UNKNOWNS = 1_000_000  # some minutes, and 3 GB in the factorisation
-MOST_MATRIX = 2.0  # GB in the dense matrices of the condensed method
+MOST_MATRIX = 4.0  # GB in the dense matrices of the condensed method
 NARROWEST = 3.0  # slip zone over edge_facet: there the energy is off by 5 %, with 1 by 30 %, with 0.2 by 180 %
 STEEPEST = 0.1  # estimated relative error of the traction from its steep ends alone
 STABLE_GAMMA0 = 0.3  # below it Newton chatters (0.2 at k = 0) or fails (0.1 at k = 0.3), unless theta = -1

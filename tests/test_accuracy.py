@@ -12,6 +12,7 @@ from solving import deviations
 
 from simulations import accuracy, estimate
 from simulations.cost_cases import PROBLEMS, TABLE, cases
+from simulations.cost_model import COARSE
 from simulations.language import SceneError
 from simulations.scene import DEFAULT_SCENE, parse
 from simulations.simulation import Simulation
@@ -80,6 +81,22 @@ def test_the_table_covers_the_study():
     studied = {(case.k, float(case.level)) for case in cases() if case.study == "fineness"}
     assert {(line.k, line.fineness) for line in accuracy.table()} <= studied
     assert {line.k for line in accuracy.table()} == {case.k for case in cases() if case.problem in PROBLEMS | TABLE}
+
+
+def test_nothing_of_the_study_is_refused(monkeypatch):
+    """Neither the meshes that were measured, which --accuracy takes, nor the coarse ones that compile their forms."""
+
+    class Accepted(Exception):
+        """The mesh would be made now."""
+
+    def accept(*_):
+        raise Accepted
+
+    monkeypatch.setattr("simulations.simulation.half_plane", accept)
+    for case in cases(with_getfem=False):
+        for sets in (case.sets, case.sets | COARSE):
+            with pytest.raises(Accepted):
+                Simulation(MPI.COMM_SELF, parse(case.text, tuple(f"{key}={value}" for key, value in sets.items())))
 
 
 def test_estimate_is_no_smaller_than_the_error_and_not_much_larger():

@@ -5,17 +5,17 @@ import csv
 import h5py
 import numpy as np
 import pytest
-from mpi4py import MPI
 from conftest import ROOT, coarse_arguments, run_command
+from mpi4py import MPI
 from solving import coarse_simulation, deviations, of_the_closed_form, solved
 
 from analytic.half_plane_linear import ContactNotConverged
 from simulations import reference
+from simulations.body import X, Y
 from simulations.comparison import compare, compare_state
 from simulations.indentation import DEFAULT_SCENE as INDENTATION
-from simulations.body import X, Y
-from simulations.programme import LoadProgramme, SolveError
 from simulations.language import SceneError
+from simulations.programme import LoadProgramme, SolveError
 from simulations.scene import DEFAULT_SCENE, parse
 from simulations.simulation import Simulation
 
