@@ -35,9 +35,7 @@ class Workers:
         self._parts = {}
 
     def can(self, name: str, part):
-        """What this rank adds to the sum ``name``: a function that returns an array, of one shape on all ranks, or
-        None where there is nothing to add up.
-        """
+        """What this rank adds to the sum ``name``: a function that returns an array, of one shape on all ranks."""
         self._parts[name] = part
 
     def lead(self, task):
@@ -61,8 +59,6 @@ class Workers:
 
     def _add(self, name, arguments):
         part = self._parts[name](*arguments)
-        if part is None:
-            return None
         total = np.empty(part.shape) if self.comm.rank == 0 else None
         self.comm.Reduce(np.ascontiguousarray(part, dtype=float), total)
         return total
@@ -95,14 +91,16 @@ class SharedInverse:
         """The transposed inverse (n, n) where it is this rank's, zero elsewhere."""
         comm, n = self._workers.comm, len(active)
         self._columns = slice(*(-(-n * rank // comm.size) for rank in (comm.rank, comm.rank + 1)))  # rank 0 has some
-        whole = np.zeros((n, n))
-        self._own = whole[self._columns].T
-        self._own[self._columns] = np.eye(self._own.shape[1])
+        self._own = np.asfortranarray(np.eye(n)[:, self._columns])
         right = self._own[active]
         passive = ~active[self._columns]
         right[:, passive] = -rows[:, self._columns][:, passive]
         if right.shape[1]:
             *_, self._own[active], self._is_singular = lapack.dgesv(rows[:, active], right)
+        if comm.size == 1:
+            return self._own.T
+        whole = np.zeros((n, n))
+        whole[self._columns] = self._own.T
         return whole
 
     def _times(self, b):
