@@ -15,6 +15,7 @@ from dolfinx.io import gmshio
 from forms.depth import DepthMap
 
 SURFACE, FAR, SYMMETRY, BODY = 1, 2, 3, 4  # physical groups
+APART = 2.0  # facets between edges that can both be placed
 STRIP = 1.25  # half-width, over that of the contact, of the strip where contact is looked for
 
 
@@ -25,7 +26,8 @@ class Grading:
     edges: positions where pressure or traction end like a root, graded down to ``edge_facet``; sweeps: intervals
     (from, to, facet length) over which such an edge moves;
     facet: largest facet under the cylinder; growth, layer_growth: ratio of neighbouring columns, layers;
-    first_layer: height of the surface cells; extent: half-width and depth of the domain.
+    first_layer: height of the surface cells; extent: half-width and depth of the domain; edge_at: where in its facet
+    an edge lies, from 0 at the inner end to 1; -1: wherever it falls.
     """
 
     edges: tuple[float, ...]
@@ -36,6 +38,7 @@ class Grading:
     layer_growth: float = 1.3
     extent: float = 20.0
     sweeps: tuple[tuple[float, float, float], ...] = ()
+    edge_at: float = -1.0
 
     @property
     def strip(self) -> float:
@@ -56,8 +59,8 @@ class Grading:
 def columns(grading: Grading) -> np.ndarray:
     """Ordinates (n,) of the columns, from -extent to extent, spaced as ``facet_size`` wants.
 
-    Nodes equidistribute 1/facet_size, an even number of columns: symmetric edges give a symmetric mesh, and no
-    node is placed on an edge on purpose.
+    Nodes equidistribute 1/facet_size, an even number of columns: symmetric edges give a symmetric mesh. Without
+    ``edge_at`` no node is placed beside an edge on purpose.
     """
     extent = grading.extent
     clouds = [np.linspace(-extent, extent, 4001), 2 * np.linspace(-grading.strip, grading.strip, 4001)]
@@ -69,8 +72,26 @@ def columns(grading: Grading) -> np.ndarray:
     cells = np.diff(x) / grading.facet_size((x[1:] + x[:-1]) / 2)
     count = np.concatenate([[0.0], np.cumsum(cells)])
     even = 2 * int(np.ceil(count[-1] / 2))
-    nodes = np.interp(np.linspace(0.0, count[-1], even + 1), count, x)
-    return nodes
+    number = np.linspace(0.0, count[-1], even + 1)
+    if grading.edge_at >= 0.0:
+        facets = np.interp(grading.edges, x, count) * (even / count[-1])
+        number = _placed(facets, grading.edge_at, even) * (count[-1] / even)
+    return np.interp(number, count, x)
+
+
+def _placed(edges, at: float, columns: int) -> np.ndarray:
+    """Numbers (columns + 1,) from 0 to ``columns``, stretched so that ``edges`` lie ``at`` between two of them, counted
+    outwards; edges within APART of others stay where they are.
+    """
+    middle = columns / 2
+    kept = [(0.0, 0.0), (middle, middle), (float(columns), float(columns))]  # number of a node, and what becomes of it
+    for edge in sorted(edges, key=lambda edge: -abs(edge - middle)):
+        side = np.sign(edge - middle)
+        place = middle + side * (np.round(abs(edge - middle) - at) + at)
+        if all(min(abs(place - a), abs(edge - b)) > APART for a, b in kept):
+            kept.append((place, edge))
+    before, after = np.array(sorted(kept)).T
+    return np.interp(np.arange(columns + 1.0), before, after)
 
 
 def layers(grading: Grading, depth: DepthMap, kink: float = np.inf) -> np.ndarray:

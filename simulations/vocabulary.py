@@ -36,6 +36,7 @@ OWN_KEYS: dict[str, Key] = {
     "mesh.growth": Key(1.02, 3.0, 1.3, closed=(True, True)),
     "mesh.first_layer": Key(1e-7, 0.5, 1e-3, closed=(True, True)),
     "mesh.layer_growth": Key(1.02, 3.0, 1.3, closed=(True, True)),
+    "mesh.edge_at": Key(0.0, 1.0, closed=(True, True)),  # where in its facet an edge lies
     "mesh.extent": Key(4.0, 1e4, 20.0, closed=(True, True)),
     "mesh.degree": Key(1, 3, 2, int, (True, True)),  # of the displacements
     # where the mesh is fine: at edges where the load turns, or at those of all states A to E of Figure 11

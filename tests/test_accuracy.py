@@ -47,6 +47,17 @@ def test_holds_below_zero(k):
     assert max(map(abs, errors.values())) <= 1e-3, errors
 
 
+def test_steep_ends_are_cut_in_the_middle_of_a_facet():
+    """For k < 0 the place of an edge in its facet is worth more than the size of that: on purpose against by chance."""
+    sets = accuracy.family(2.0, -0.5) | {"solid.k": -0.5, "solid.nu": 0.3, "effects.coupling": "false"}
+    placed, chance = (
+        deviations(simulated(parse(DEFAULT_SCENE, tuple(f"{key}={value}" for key, value in given.items()))))
+        for given in (sets, {key: value for key, value in sets.items() if key != "mesh.edge_at"})
+    )
+    assert abs(placed["pressure_l2"]) < 2e-4 < 3e-4 < abs(chance["pressure_l2"])
+    assert abs(placed["traction_l2"]) < 0.3 * abs(chance["traction_l2"])
+
+
 @pytest.mark.slow
 def test_five_digits():
     errors = deviations(simulated(parse(DEFAULT_SCENE, ("solver.accuracy=1e-5",))))
