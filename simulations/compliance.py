@@ -32,12 +32,12 @@ class Compliance:
         self._find_surface()
         inner, interface = self._find_strip()
         found = parts(body)
-        self._halves: list[tuple[int, Part, _Half | None]] = []  # owner, part, and what the owner knows of it
+        self._mine: list[tuple[Part, _Half]] = []  # the parts that this rank takes
         self._blocks: list = []
         self.far = np.zeros((len(self.strip), 2))
         loads = np.stack([self._lifting(load) for load in np.eye(2)], axis=1)
-        for start in range(0, len(found), self.comm.size):
-            self._add(found[start : start + self.comm.size], inner, interface, loads)
+        for number in range(self.comm.rank, self.comm.rank + len(found), self.comm.size):
+            self._add(found[number] if number < len(found) else Part(NONE), inner, interface, loads)
         self.far = self.comm.reduce(self.far)
 
     def response(self, directions: tuple[int, ...]) -> Response:
@@ -65,9 +65,8 @@ class Compliance:
         body = self.body
         strip, right = self.strip_values(), self._lifting()
         u = np.zeros(len(right))
-        for owner, part, half in self._halves:
-            if owner == self.comm.rank:
-                part.extend(half.complete(part.restrict(right), self._of_part(part, strip)), u)
+        for part, half in self._mine:
+            part.extend(half.complete(part.restrict(right), self._of_part(part, strip)), u)
         if self.comm.size > 1:
             self.comm.Allreduce(MPI.IN_PLACE, u)
         u[self.strip] = strip
@@ -137,24 +136,23 @@ class Compliance:
         fem_petsc.set_bc(b, body.boundary_conditions)
         return gathered(self.comm, b.array_r)
 
-    def _add(self, found, inner, interface, loads):
-        """Factorise one part a rank and add what each contributes to the response."""
-        rank, r = self.comm.rank, len(self.strip)
-        half = _half(self.body, found[rank] if rank < len(found) else Part(NONE), inner, interface)
+    def _add(self, part, inner, interface, loads):
+        """Factorise a part of this rank's, or none, and keep what it contributes to the response. Collective."""
+        half, r = _half(self.body, part, inner, interface), len(self.strip)
+        if half is None:
+            return
+        self._mine.append((part, half))
         place = np.searchsorted(self.strip, self._surface_dofs.T.ravel())
         forces = csr_matrix((self._is_free.T.ravel().astype(float), (place, np.arange(2 * self.n))), (r, 2 * self.n))
-        for owner, part in enumerate(found):
-            self._halves.append((owner, part, half if owner == rank else None))
-            if owner == rank:
-                among = part.among(self.strip)
-                rows = among.matrix(r)
-                columns = (rows.T @ forces).tocoo()  # of the part's own surface
-                own, column = np.unique(columns.row, return_inverse=True)
-                columns = csr_matrix((columns.data, (columns.col, column)), (2 * self.n, len(own)))
-                unit = np.zeros((len(among.dofs), len(own)))
-                unit[own, np.arange(len(own))] = 0.5 if part.is_half else 1.0
-                self._blocks.append((rows, half.respond(unit), columns))
-                self.far += rows @ half.far(part.restrict(loads))
+        among = part.among(self.strip)
+        rows = among.matrix(r)
+        columns = (rows.T @ forces).tocoo()  # of the part's own surface
+        own, column = np.unique(columns.row, return_inverse=True)
+        columns = csr_matrix((columns.data, (columns.col, column)), (2 * self.n, len(own)))
+        unit = np.zeros((len(among.dofs), len(own)))
+        unit[own, np.arange(len(own))] = 0.5 if part.is_half else 1.0
+        self._blocks.append((rows, half.respond(unit), columns))
+        self.far += rows @ half.far(part.restrict(loads))
 
 
 class _Half:

@@ -78,9 +78,9 @@ def parts(body: HalfPlane) -> list[Part]:
     asymmetry = np.abs(columns + columns[::-1]).max()
     if body.is_half or len(columns) % 2 == 0 or asymmetry > SAME * np.abs(columns).max():
         return [whole]
-    dofs = np.full((kind.max() + 1, len(columns), len(rows)), -1)
-    dofs[kind, column, row] = np.arange(len(parity))
-    images = dofs[kind, len(columns) - 1 - column, row]
+    number = np.full((kind.max() + 1, len(columns), len(rows)), -1)
+    number[kind, column, row] = np.arange(len(parity))
+    images = number[kind, len(columns) - 1 - column, row]
     middle = len(columns) // 2
     halves = []
     for signs, beside in ((parity, column < middle), (-parity, column > middle)):

@@ -147,17 +147,17 @@ class Newton:
         self._polished = False
         self._last_force = np.inf
         self._scale, self._norms, self._tolerance = 1.0, (np.inf, np.inf), FORCE_TOLERANCE
-        self.confirms = False  # one more iteration after the last, to see whether contact states still change
         self._states = None
         self._changes: list[int] = []
         self._seen: dict[bytes, int] = {}
         self.after_linearise = lambda: None  # called with the fields at the iterate
         self.after_residual = lambda: False  # likewise; True where it changed the problem, whose residual is renewed
 
-    def solve(self, load, predict=None) -> NewtonResult:
+    def solve(self, load, predict=None, confirm=False) -> NewtonResult:
         """Balance the line loads ``(Q, P)``, P > 0.
 
-        predict: a Constant that is 1 during one preliminary step (the all-stick predictor), or None.
+        predict: a Constant that is 1 during one preliminary step (the all-stick predictor), or None; confirm: one more
+        iteration after the last, to see whether contact states still change.
         """
         self._polished = False
         self._begin(load)
@@ -168,7 +168,7 @@ class Newton:
         self._states, self._changes, self._seen = None, [], {}
         self.snes.solve(None, self.x)
         code = self.snes.getConvergedReason()
-        if code > 0 and self.confirms:
+        if code > 0 and confirm:
             kept = self.x.copy()
             self._step()
             self._residual(self.snes, self.x, self._f)

@@ -105,7 +105,7 @@ class LoadProgramme:
         self.problem, self.normal, self.frictional = normal, normal, frictional
         self.body, self.mu, self._system = normal.body, mu, system
         self._friction_first = friction_first
-        self.confirms = False  # set before ``run``: every solve takes one more iteration than it needs (newton.Newton)
+        self.confirms = False  # set before ``run``: solves under Coulomb's law as it is are confirmed (newton.Newton)
 
     @property
     def system(self) -> System:
@@ -152,9 +152,7 @@ class LoadProgramme:
         return HeldPoint(self.problem)
 
     def _start(self, problem):
-        newton = Newton(self._system(problem), self.body.mesh.comm)
-        newton.confirms = self.confirms
-        return newton
+        return Newton(self._system(problem), self.body.mesh.comm)
 
     def _begin_friction(self):
         self._normal_newton, self.problem = self._newton, self.frictional
@@ -168,7 +166,7 @@ class LoadProgramme:
     def _renew_pressure(self, increment: Increment, results: list[NewtonResult]):
         """Without coupling: the frictionless contact under a new P, beneath an unchanged tangential problem."""
         tangential = self.problem.without_held()
-        result = self._normal_newton.solve((0.0, increment.P))
+        result = self._normal_newton.solve((0.0, increment.P), confirm=self.confirms)
         results.append(result)
         if not result.converged:
             raise SolveError(f"no frictionless contact at P = {increment.P:.4g}: {result.reason}")
@@ -205,7 +203,7 @@ class LoadProgramme:
         """The last attempt, converged or not, and the first."""
         saved = self._save()
         predict = self.problem.all_stick if self.problem.friction else None
-        attempts = [lambda: self._newton.solve(load, predict)]
+        attempts = [lambda: self._newton.solve(load, predict, confirm=self.confirms)]
         if self.problem.friction:
             attempts.append(lambda: self._guarded(load, results))
         if self.problem.directions == (X, Y):
@@ -244,21 +242,14 @@ class LoadProgramme:
         """
         problem, newton = self.problem, self._newton
         newton.after_linearise, newton.after_residual = problem.note_sliding, self._held_point.update
-        guarded = self._by_another_law(load, problem.all_stick)
+        guarded = newton.solve(load, problem.all_stick)
         newton.after_linearise, newton.after_residual = lambda: None, lambda: False
         problem.forget_sliding()
         self._held_point.release()
         if not guarded.converged:
             return guarded
         results.append(guarded)
-        return self._newton.solve(load)
-
-    def _by_another_law(self, load, predict) -> NewtonResult:
-        """A solve on the way: whether its contact states are at rest is only asked under Coulomb's law as it is."""
-        self._newton.confirms, confirms = False, self._newton.confirms
-        result = self._newton.solve(load, predict)
-        self._newton.confirms = confirms
-        return result
+        return newton.solve(load, confirm=self.confirms)
 
     def _fixed_point(self, load, results: list[NewtonResult]) -> NewtonResult:
         """Friction limited by the last sweep's pressure, sweep after sweep until that is the present one.
@@ -270,7 +261,7 @@ class LoadProgramme:
         for _ in range(MAX_SWEEPS):
             problem.lag_pressure()
             problem.lagged.value = 1.0
-            sweep = self._by_another_law(load, predict)
+            sweep = self._newton.solve(load, predict)
             problem.lagged.value = 0.0
             if not sweep.converged:
                 return replace(sweep, reason=f"in a fixed-point sweep, {sweep.reason}")

@@ -90,8 +90,9 @@ class SharedInverse:
     def _invert(self, rows, active):
         """The transposed inverse (n, n) where it is this rank's, zero elsewhere."""
         comm, n = self._workers.comm, len(active)
-        self._columns = slice(*(-(-n * rank // comm.size) for rank in (comm.rank, comm.rank + 1)))  # rank 0 has some
-        self._own = np.asfortranarray(np.eye(n)[:, self._columns])
+        first, end = (-(-n * rank // comm.size) for rank in (comm.rank, comm.rank + 1))  # rank 0 has some
+        self._columns = slice(first, end)
+        self._own = np.eye(n, end - first, -first, order="F")
         right = self._own[active]
         passive = ~active[self._columns]
         right[:, passive] = -rows[:, self._columns][:, passive]

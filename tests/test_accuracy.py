@@ -19,15 +19,16 @@ from simulations.simulation import Simulation
 
 
 def simulated(scene) -> Simulation:
-    simulation = Simulation(MPI.COMM_SELF, scene)
-    for _ in simulation.run():
-        pass
-    return simulation
+    return Simulation(MPI.COMM_SELF, scene).run_to_end()
+
+
+def scene_with(sets, text=DEFAULT_SCENE):
+    return parse(text, tuple(f"{key}={value}" for key, value in sets.items()))
 
 
 def elsewhere(wanted, k, nu, mu, amplitude):
     sets = {"solid.k": k, "solid.nu": nu, "effects.coupling": "false", "load.mu": mu, "load.amplitude": amplitude}
-    return parse(DEFAULT_SCENE, tuple(f"{key}={value}" for key, value in (sets | {"solver.accuracy": wanted}).items()))
+    return scene_with(sets | {"solver.accuracy": wanted})
 
 
 @pytest.mark.parametrize("wanted", [1e-2, 1e-3, 1e-4])
@@ -50,10 +51,9 @@ def test_holds_below_zero(k):
 def test_steep_ends_are_cut_in_the_middle_of_a_facet():
     """For k < 0 the place of an edge in its facet is worth more than the size of that: on purpose against by chance."""
     sets = accuracy.family(2.0, -0.5) | {"solid.k": -0.5, "solid.nu": 0.3, "effects.coupling": "false"}
-    placed, chance = (
-        deviations(simulated(parse(DEFAULT_SCENE, tuple(f"{key}={value}" for key, value in given.items()))))
-        for given in (sets, {key: value for key, value in sets.items() if key != "mesh.edge_at"})
-    )
+    placed = deviations(simulated(scene_with(sets)))
+    del sets["mesh.edge_at"]
+    chance = deviations(simulated(scene_with(sets)))
     assert abs(placed["pressure_l2"]) < 2e-4 < 3e-4 < abs(chance["pressure_l2"])
     assert abs(placed["traction_l2"]) < 0.3 * abs(chance["traction_l2"])
 
@@ -107,7 +107,7 @@ def test_nothing_of_the_study_is_refused(monkeypatch):
     for case in cases(with_getfem=False):
         for sets in (case.sets, case.sets | COARSE):
             with pytest.raises(Accepted):
-                Simulation(MPI.COMM_SELF, parse(case.text, tuple(f"{key}={value}" for key, value in sets.items())))
+                Simulation(MPI.COMM_SELF, scene_with(sets, case.text))
 
 
 def test_estimate_is_no_smaller_than_the_error_and_not_much_larger():
@@ -115,9 +115,7 @@ def test_estimate_is_no_smaller_than_the_error_and_not_much_larger():
     scene = parse(DEFAULT_SCENE, ("solver.accuracy=1e-3",))
     fine = simulated(scene)
     other, ratio = estimate.coarser(MPI.COMM_SELF, scene)
-    for _ in other.run():
-        pass
-    estimated = max(estimate.estimated(fine, other, ratio).values())
+    estimated = max(estimate.estimated(fine, other.run_to_end(), ratio).values())
     error = max(map(abs, deviations(fine).values()))
     assert error < estimated < 30 * error
 

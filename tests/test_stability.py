@@ -51,7 +51,7 @@ def test_increments_start_with_all_points_sticking(monkeypatch):
     monkeypatch.setattr("simulations.programme.MAX_CUTS", 0)
     solved()
     solve = newton.Newton.solve
-    monkeypatch.setattr(newton.Newton, "solve", lambda self, load, predict=None: solve(self, load))
+    monkeypatch.setattr(newton.Newton, "solve", lambda self, load, predict=None, **how: solve(self, load, **how))
     with pytest.raises(SolveError, match=r"unloading.*singular"):
         solved()
 

@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 from analytic.half_plane_linear import ContactNotConverged
 
+from ..workers import on_root
 from .points import Energies, Point, by_simulation
 from .store import Store
 
@@ -13,7 +14,7 @@ def simulate_all(comm, store: Store, points: list[Point], tell: Callable[[str], 
 
     A loop that does not converge has the reason in place of its result.
     """
-    kept = comm.bcast(store.read() if comm.rank == 0 else None)
+    kept = on_root(comm, store.read)
     missing = [point for point in points if point not in kept]
     tell(f"{len(points)} loops, {len(points) - len(missing)} of them kept from before, {comm.size} rank(s)")
     # neighbours cost about the same: dealing them out in turn gives everyone the same work
