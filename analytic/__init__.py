@@ -7,16 +7,16 @@ Numbers in brackets are the equations of Heß, Giesa, Riechert, Wilhayn, Appl. S
 from .abel import PunchSuperposition
 from .checks import UndefinedDisplacementError
 from .cylinder import CylinderContact
-from .edge_estimate import contact_edges
 from .fretting import FrettingLoop
-from .half_plane import HalfPlaneContact
-from .layered_kernel import LayeredKernel
+from .half_plane.edge_estimate import contact_edges
+from .half_plane.layered_kernel import LayeredKernel
+from .half_plane.solver import HalfPlaneContact
+from .half_plane.surface_kernel import PowerLawKernel
 from .material import GradedHalfPlane
 from .normal import ProfileContact
 from .partial_slip import PartialSlip
 from .point_force import point_force_displacement
 from .profile import PowerProfile, Profile
-from .surface_kernel import PowerLawKernel
 from .tangential import UniformShift, from_displacement, from_traction
 from .two_bodies import GradedPair
 

@@ -1,6 +1,6 @@
 """Simulations of frictional contact and fretting: from a scene to files, or to arrays.
 
-    from simulations import run
+    from . import run
     result = run({"load.amplitude": 0.6})
     print(result.a, result.pressure.shape)
 
@@ -13,29 +13,29 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
-    from .comparison import compare
-    from .language import SceneError
-    from .library import Result, make_scene, run
-    from .programme import SolveError
-    from .reference import closed_form, of_same_physics
-    from .scene import DEFAULT_SCENE, Scene, language, parse, resolve
-    from .simulation import Simulation
+    from .api import Result, make_scene, run
+    from .loading.stepping import SolveError
+    from .run.comparison import compare
+    from .run.reference import closed_form, of_same_physics
+    from .run.simulation import Simulation
+    from .scene.language import SceneError
+    from .scene.scene import DEFAULT_SCENE, Scene, language, parse, resolve
 
 _EXPORTS = {
-    "compare": "comparison",
-    "SceneError": "language",
-    "Result": "library",
-    "make_scene": "library",
-    "run": "library",
-    "SolveError": "programme",
-    "closed_form": "reference",
-    "of_same_physics": "reference",
-    "DEFAULT_SCENE": "scene",
-    "Scene": "scene",
-    "language": "scene",
-    "parse": "scene",
-    "resolve": "scene",
-    "Simulation": "simulation",
+    "compare": "run.comparison",
+    "SceneError": "scene.language",
+    "Result": "api",
+    "make_scene": "api",
+    "run": "api",
+    "SolveError": "loading.stepping",
+    "closed_form": "run.reference",
+    "of_same_physics": "run.reference",
+    "DEFAULT_SCENE": "scene.scene",
+    "Scene": "scene.scene",
+    "language": "scene.scene",
+    "parse": "scene.scene",
+    "resolve": "scene.scene",
+    "Simulation": "run.simulation",
 }
 __all__ = [
     "DEFAULT_SCENE",

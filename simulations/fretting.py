@@ -2,15 +2,15 @@
 
 import sys
 
-from . import checkpoint
-from .command import comm, on_root, read_request, run, say, set_petsc_options
-from .estimate import coarser, estimated, expectation
-from .explain import explain
-from .output import write_summary
-from .progress import Progress
-from .results import Results, begin, files
-from .scene import DEFAULT_SCENE
-from .simulation import Simulation
+from .command.command import comm, on_root, read_request, run, say, set_petsc_options
+from .command.progress import Progress
+from .output import checkpoint
+from .output.files import write_summary
+from .output.results import Results, begin, files
+from .run.estimate import coarser, estimated, expectation
+from .run.explain import explain
+from .run.simulation import Simulation
+from .scene.scene import DEFAULT_SCENE
 
 
 def main(arguments: list[str], program: str = "simulations.fretting", description=__doc__, default=DEFAULT_SCENE):

@@ -1,7 +1,7 @@
 """Press a rigid cylinder onto a graded half-plane without friction:  python -m simulations.indentation [SCENE.toml]."""
 
 from . import fretting
-from .command import run
+from .command.command import run
 
 DEFAULT_SCENE = """\
 title = "Frictionless indentation of a graded half-plane"

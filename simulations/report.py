@@ -9,9 +9,9 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 
-from .command import Parser, on_root, run, say
-from .language import SceneError, shown
-from .output import write_text
+from .command.command import Parser, on_root, run, say
+from .output.files import write_text
+from .scene.language import SceneError, shown
 
 PAGE = "report.html"
 STYLE = """body{font:15px/1.5 sans-serif;max-width:62em;margin:2em auto;padding:0 1em;color:#222}

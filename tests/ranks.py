@@ -3,8 +3,9 @@
 import numpy as np
 from mpi4py import MPI
 
-from simulations.mesh import half_plane
-from simulations.workers import SharedInverse, Workers, on_root
+from simulations.fem.mesh import half_plane
+from simulations.fem.parallel import on_root
+from simulations.solvers.condensed.workers import SharedInverse, Workers
 
 comm = MPI.COMM_WORLD
 

@@ -3,11 +3,11 @@
 from conftest import coarse_overrides
 from mpi4py import MPI
 
-from simulations.comparison import compare
-from simulations.edges import ExpectedEdges
-from simulations.reference import closed_form
-from simulations.scene import DEFAULT_SCENE, parse
-from simulations.simulation import Simulation
+from simulations.run.comparison import compare
+from simulations.run.expected_edges import ExpectedEdges
+from simulations.run.reference import closed_form
+from simulations.run.simulation import Simulation
+from simulations.scene.scene import DEFAULT_SCENE, parse
 
 
 def coarse_simulation(text=DEFAULT_SCENE, cells=None, like=None, **changes) -> Simulation:

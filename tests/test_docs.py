@@ -8,7 +8,7 @@ from conftest import ROOT, coarse_arguments
 
 from forms import contact, elasticity
 from simulations import fretting
-from simulations.scene import language
+from simulations.scene.scene import language
 
 
 def rows(path, columns):

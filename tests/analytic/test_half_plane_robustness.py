@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from analytic import GradedHalfPlane, PowerProfile
-from analytic.half_plane import HalfPlaneContact
+from analytic.half_plane.solver import HalfPlaneContact
 
 PROFILE, P = PowerProfile(0.5, 2.0), 1.0
 
@@ -83,7 +83,7 @@ def test_any_amplitude(k, nu, amplitude):
 
 def test_path_is_taken_in_halves_if_a_step_fails(monkeypatch):
     """A step that fails is halved, and the states returned are those asked for."""
-    from analytic.half_plane_linear import ContactNotConverged
+    from analytic.half_plane.linear import ContactNotConverged
 
     steps, advance = [], HalfPlaneContact._advance
 

@@ -9,8 +9,8 @@ from scipy.optimize import brentq
 from scipy.special import ellipk, ellipkm1
 
 from analytic import CylinderContact, GradedHalfPlane, PowerProfile, Profile, ProfileContact
-from analytic.half_plane import HalfPlaneContact
-from analytic.half_plane_linear import ContactNotConverged
+from analytic.half_plane.linear import ContactNotConverged
+from analytic.half_plane.solver import HalfPlaneContact
 
 MU, P, R = 0.3, 1.0, 1.0
 Q_A = 0.9 * MU * P
@@ -169,8 +169,8 @@ def test_loads_are_checked():
 
 
 def test_what_does_not_converge_raises(monkeypatch):
-    monkeypatch.setattr("analytic.half_plane_increment.MAX_ITERATIONS", 1)
-    monkeypatch.setattr("analytic.half_plane_path.STEPS_PER_NODE", 0)
+    monkeypatch.setattr("analytic.half_plane.increment.MAX_ITERATIONS", 1)
+    monkeypatch.setattr("analytic.half_plane.path.STEPS_PER_NODE", 0)
     with pytest.raises(ContactNotConverged, match="path"):
         HalfPlaneContact(solid_of(0.3), PROFILE, MU, nodes=100).run([(P, 0.0)])
 

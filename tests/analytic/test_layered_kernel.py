@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from analytic import CylinderContact, GradedHalfPlane, PowerProfile
-from analytic.half_plane import HalfPlaneContact
-from analytic.half_plane_interpolation import Edges, adapted
-from analytic.half_plane_operator import SurfaceOperator
-from analytic.layered_kernel import LayeredKernel, surface_compliance
-from analytic.surface_kernel import PowerLawKernel
+from analytic.half_plane.interpolation import Edges, adapted
+from analytic.half_plane.layered_kernel import LayeredKernel, surface_compliance
+from analytic.half_plane.operator import SurfaceOperator
+from analytic.half_plane.solver import HalfPlaneContact
+from analytic.half_plane.surface_kernel import PowerLawKernel
 
 PROFILE, MU = PowerProfile(0.5, 2.0), 0.3
 

@@ -6,16 +6,16 @@ import pytest
 from scipy.integrate import quad
 
 from analytic import GradedHalfPlane
-from analytic.half_plane_interpolation import (
+from analytic.half_plane.interpolation import (
     Edges,
     adapted,
     integral,
     interpolated,
     linear,
 )
-from analytic.half_plane_operator import SurfaceOperator, element_moments, nodal_integrals
+from analytic.half_plane.operator import SurfaceOperator, element_moments, nodal_integrals
+from analytic.half_plane.surface_kernel import PowerLawKernel
 from analytic.point_force import point_force_displacement
-from analytic.surface_kernel import PowerLawKernel
 
 EXPONENTS = [-0.9, -0.5, -1e-8, 0.0, 1e-8, 0.3, 0.9]
 RATIOS = [-0.4, 0.0, 0.3, 0.5]

@@ -1,0 +1,96 @@
+"""One load increment of frictional contact on fixed nodes: Signorini's and Coulomb's conditions by active sets."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .linear import ContactNotConverged, ContactSets, Data, IncrementSolution, LinearProblem
+from .operator import SurfaceOperator
+from .path import followed, near, sticking
+
+MAX_ITERATIONS = 60  # of the semismooth Newton method
+RETURN = 2  # nodes by which a stick zone grows in one iteration
+ROUNDING = 1e-12, 1e-9  # of the largest pressure or displacement: violations below are rounding; after the path
+
+
+@dataclass(frozen=True)
+class Increment:
+    """Data of an increment: the indenter's height at the nodes, u_x - delta_x at rest, mu, and the loads."""
+
+    operator: SurfaceOperator
+    height: np.ndarray
+    rest: np.ndarray
+    mu: float
+    P: float
+    Q: float
+
+    def solve(self, sets: ContactSets) -> IncrementSolution:
+        """Solution reached from the initial ``sets``.
+
+        Each iteration solves the linear problem of the current sets, and then changes the status of every
+        node that violates its conditions (a semismooth Newton step). Should the sets cycle, a path of
+        solutions is followed from the sets reached, which needs no luck. Raises ContactNotConverged.
+        """
+        seen, data = set(), Data(self.height, self.rest, self.P, self.Q)
+        try:
+            for iteration in range(1, MAX_ITERATIONS + 1):
+                (solution,) = LinearProblem(self.operator, self.mu, sets).solve(data, iterations=iteration)
+                new = self._updated(solution, ROUNDING[0])
+                changed = self._changed(solution, new, ROUNDING[0])
+                if not changed.any():
+                    return solution
+                if new.same(sets).all():
+                    break
+                key = new.closed.tobytes() + new.slipping.tobytes()
+                if key in seen:
+                    break
+                seen.add(key)
+                sets = new
+            solution = self._followed(data, solution)
+            changed = self._changed(solution, self._updated(solution, ROUNDING[1]), ROUNDING[1])
+            if changed.any():
+                x = self.operator.nodes[changed]
+                raise ContactNotConverged(
+                    f"{changed.sum()} nodes between x = {x.min():g} and {x.max():g} still change between contact and "
+                    "gap, or stick and slip"
+                )
+            return solution
+        except ContactNotConverged as failure:
+            raise ContactNotConverged(f"P = {self.P:g}, Q = {self.Q:g}: {failure}") from None
+
+    def _followed(self, data, guess):
+        """Solution at the end of a path: from the ``guess``, or from a state where all sticks if that path fails."""
+        try:
+            return followed(self.operator, self.mu, data, near(self.operator, self.mu, data, guess))
+        except ContactNotConverged:
+            return followed(self.operator, self.mu, data, sticking(self.operator, data, guess))
+
+    def _changed(self, s, new, rounding):
+        """Nodes whose status is to change; also the last that sticks, which stays so, beyond the limit of friction."""
+        beyond = np.abs(s.traction) - self.mu * np.maximum(s.pressure, 0.0) > rounding * s.pressure.max()
+        return ~new.same(s.sets) | (s.stuck & beyond & (self.mu > 0))
+
+    def _updated(self, s, rounding):
+        """Sets after Signorini's and Coulomb's conditions at every node."""
+        p_rounding = rounding * s.pressure.max()
+        u_rounding = rounding * np.ptp(self.height)
+        closed = np.where(s.sets.closed, s.pressure > -p_rounding, s.gap < -u_rounding)
+        if not self.mu:
+            return ContactSets(closed, s.sets.slipping)
+        was_slipping = s.sets.slipping
+        limit = self.mu * np.maximum(s.pressure, 0.0) + p_rounding
+        begins = np.where(np.abs(s.traction) > limit, np.sign(s.traction), 0.0)
+        backwards = was_slipping * (s.position - self.rest) > u_rounding
+        beside_stick = s.stuck.copy()
+        for _ in range(RETURN):
+            beside_stick[1:] |= beside_stick[:-1].copy()
+            beside_stick[:-1] |= beside_stick[1:].copy()
+        if (backwards & beside_stick).any():
+            backwards &= beside_stick
+        slipping = np.where(was_slipping == 0, begins, np.where(backwards, 0.0, was_slipping))
+        free_motion = np.sign(s.position - self.rest)  # of a point that comes into contact
+        slipping = np.where(s.sets.closed, slipping, -free_motion)
+        slipping = np.where(closed, slipping, 0.0)
+        if closed.any() and slipping[closed].all():  # |Q| < mu P: somewhere slip changes its sign
+            slipping[np.where(closed, np.abs(s.position - self.rest), np.inf).argmin()] = 0.0
+        return ContactSets(closed, slipping)

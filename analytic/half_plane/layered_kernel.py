@@ -1,0 +1,152 @@
+"""Surface kernel of a half-plane with any modulus E(y): from its compliance per wavenumber, beyond the paper [X6].
+
+A surface wave e^(iωx) of tractions meets the 2×2 compliance of the body below each depth, which grows from
+the substrate upwards by a Riccati equation. What it differs from the power law that the modulus follows at the
+surface, is a smooth kernel; it is added to PowerLawKernel as a sum of kernels ln(x² + h²) of sources at depths h.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.integrate import solve_ivp
+from scipy.interpolate import CubicSpline
+
+from ..material import GradedHalfPlane
+from .surface_kernel import PowerLawKernel
+
+DEPTH = 20.0  # over the wavenumber: what lies deeper is felt by e^-40
+RTOL, ATOL = 1e-11, 1e-13
+BESIDE = 1e-13  # relative distance to a jump of E at which its side is certain
+NEAREST = 1e-12  # over the wavenumber: depth at which the integration ends, in the regular depth variable
+PER_DECADE, SOURCES_PER_DECADE = 20, 10
+CUTOFF = 1e-9  # of the singular values: smaller ones only make strong sources that cancel
+LARGEST_MISFIT, LARGEST_AT_SURFACE = 1e-5, 0.02
+TABLE = 400  # points of the tabulated smooth part
+
+
+def surface_compliance(modulus, nu, wavenumber, depth, surface_exponent=0.0, breaks=()):
+    """Compliance C_xx, C_yy and Im C_xy at the wavenumber ω > 0 [length/stress], shape (3,), as in PowerLawKernel.
+
+    modulus: E(y) [stress] for 0 < y <= depth [length], constant below; it may vanish or be infinite at
+    y = 0 like y^surface_exponent. breaks: depths at which E or its slope jumps [length].
+    """
+    omega, order = float(wavenumber), 1 / (1 - abs(surface_exponent))
+    bottom = min(depth, DEPTH / omega)
+    reference = float(modulus(bottom * (1 + BESIDE)))  # of the half-plane below
+    n, plane = nu / (1 - nu), 1 / ((1 - nu) * (1 + nu))
+    shear, axial = 2 * (1 + nu), (1 + nu) * (1 - 2 * nu) / (1 - nu)  # E/G and E/(lambda + 2G)
+
+    def riccati(s, S):
+        """dS/ds of ω E_ref times the compliance, y = s^order/ω: u_x = iX, q = i f, hence real and symmetric."""
+        xx, yy, xy = S
+        e = float(modulus(s**order / omega)) / reference
+        slope = np.array(
+            [
+                -2 * xy - shear / e + e * plane * xx * xx,
+                2 * n * xy - axial / e + e * plane * xy * xy,
+                n * xx - yy + e * plane * xx * xy,
+            ]
+        )
+        return slope * order * s ** (order - 1)
+
+    homogeneous = PowerLawKernel(GradedHalfPlane(1.0, nu, 0.0, 1.0)).compliance(1.0)
+    S = np.array([homogeneous[0].real, homogeneous[1].real, homogeneous[2].imag])
+    ends = [bottom, *sorted((y for y in breaks if 0 < y < bottom), reverse=True), 0.0]
+    for start, stop in zip(ends, ends[1:], strict=False):
+        span = [max(omega * y, NEAREST**order) ** (1 / order) for y in (start, stop)]
+        span = [span[0] * (1 - BESIDE), span[1] * (1 + BESIDE)]
+        solved = solve_ivp(riccati, span, S, "DOP853", rtol=RTOL, atol=ATOL)
+        if not solved.success:
+            raise RuntimeError(f"wavenumber {omega:g}: the Riccati equation does not integrate: {solved.message}")
+        S = solved.y[:, -1]
+    return S / (omega * reference)
+
+
+@dataclass(frozen=True)
+class LayeredKernel:
+    """SurfaceKernel of E(y), which follows the power law of ``surface`` for y -> 0 and is constant below ``depth``.
+
+    modulus: vectorised or not, E(y) [stress]; surface: GradedHalfPlane of its behaviour at the surface, with
+    the Poisson's ratio of the whole; depth: [length]; smallest: distance [length] below which the power law is
+    all that matters, a small part of the contact; largest: greatest distance that will be asked for [length].
+    """
+
+    modulus: Callable
+    surface: GradedHalfPlane
+    depth: float
+    smallest: float
+    largest: float
+    breaks: tuple = ()
+
+    @property
+    def k(self):
+        """Exponent at the surface."""
+        return self.surface.k
+
+    @cached_property
+    def power_law(self):
+        """Kernel of the power law at the surface."""
+        return PowerLawKernel(self.surface)
+
+    def compliance(self, wavenumber):
+        """C_xx, C_yy and Im C_xy for an array of wavenumbers [length/stress], shape (3, n)."""
+        return np.stack(
+            [
+                surface_compliance(self.modulus, self.surface.nu, w, self.depth, self.k, (self.depth, *self.breaks))
+                for w in wavenumber
+            ],
+            axis=1,
+        )
+
+    @cached_property
+    def _sources(self):
+        """Depths h and strengths a of ω ΔC = Σ a e^(-ωh), columns N, T, D; and the misfit."""
+        low, high = 0.01 / self.largest, 3 / self.smallest
+        decades = np.log10(high / low)
+        omega = np.geomspace(low, high, int(PER_DECADE * decades))
+        power = self.power_law.compliance(omega)
+        difference = self.compliance(omega) - np.stack([power[0].real, power[1].real, power[2].imag])
+        left = np.abs(difference[:, -1]).max() / np.abs(power[1, -1])
+        if left > LARGEST_AT_SURFACE:
+            raise ValueError(
+                f"the compliance of short waves, 2 pi/{high:.3g}, differs by {left:.1%} from that of the power law: "
+                "E(y) does not follow it at the surface, or ``smallest`` is too large"
+            )
+        h = np.geomspace(0.1 / high, 10 / low, int(SOURCES_PER_DECADE * (decades + 2)))
+        target = (omega * difference)[[1, 0, 2]].T
+        strength, *_ = np.linalg.lstsq(np.exp(-omega[:, None] * h), target, rcond=CUTOFF)
+        misfit = np.abs(np.exp(-omega[:, None] * h) @ strength - target).max(axis=0)
+        misfit = misfit / np.abs(omega * power[1]).max()
+        if misfit.max() > LARGEST_MISFIT:
+            raise RuntimeError(f"the compliance per wavenumber is met to {misfit.max():.1e} only")
+        return h, strength, misfit
+
+    @property
+    def misfit(self):
+        """Largest error of ω C that the sum of sources leaves, over the largest ω C_yy of the power law: N, T, D."""
+        return self._sources[2]
+
+    @cached_property
+    def _table(self):
+        """Splines of the smooth parts of N, T and D over arsinh(x/smallest)."""
+        h, strength, _ = self._sources
+        u = np.linspace(0, np.arcsinh(self.largest / self.smallest), TABLE)
+        x = self.smallest * np.sinh(u)[:, None]
+        even = -np.log1p((x / h) ** 2) / (2 * np.pi) @ strength[:, :2]
+        # C_xy = i Im: D sin-transforms with the opposite sign
+        odd = -np.arctan2(x, h) / np.pi @ strength[:, 2]
+        return CubicSpline(u, np.column_stack([even, odd]))
+
+    def smooth(self, z):
+        """Difference of N, T and D from the power law at distance z >= 0, shape (3, *z.shape), for quadrature."""
+        return np.moveaxis(self._table(np.arcsinh(z / self.smallest)), -1, 0)
+
+    def values(self, z):
+        """N, T and D at distance z > 0 [1/stress], shape (3, *z.shape)."""
+        return self.power_law.values(z) + self.smooth(np.asarray(z, dtype=float))
+
+    def antiderivatives(self, z):
+        """Those of the power law at the surface; the smooth part is left to quadrature."""
+        return self.power_law.antiderivatives(z)

@@ -1,0 +1,106 @@
+"""Nodes and interpolations for assumed edges of contact and stick, and how far a solution moves these edges."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from .edges import contact_edges, inner_edges, stick_zones
+from .interpolation import Edges, adapted, linear
+from .nodes import graded_nodes
+from .operator import SurfaceOperator
+
+SMALLEST = 1e-7  # spacing at the edges over the width of the contact
+# spacing^(1-k) at edges of stick: the compliance of an element over the whole's, which rounding must not reach
+SOFTEST = 3e-11
+STICK_DENSITY = 2.0  # of nodes at edges of stick, which move, over that at other edges
+NEIGHBOUR = 0.01  # distance over the width of the contact below which an old edge is as good as the new one
+
+
+def grading_order(k):
+    """Order of the grading: twice the least for roots distance^((1+k)/2); most of the error is next to the edges."""
+    return 8 / (2 + k)
+
+
+def first_distance(nodes, k):
+    """Distance from an edge, over the width of the contact, below which nodes are spaced wider than that distance."""
+    order = grading_order(k)
+    return (8 * order / nodes) ** order  # about nodes/8 on each side of an edge
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Assumed contact (left, right), stick zones, shape (n, 2), edges of earlier stick inside these, and places where
+    the profile is not smooth [length]."""
+
+    contact: tuple[float, float]
+    zones: np.ndarray
+    kinks: Edges
+    corners: Edges
+
+    @classmethod
+    def first(cls, half_width, corners=()):
+        """Contact of the given half-width around the origin."""
+        corners = Edges(np.array(corners, dtype=float), np.ones(len(corners)))
+        return cls((-half_width, half_width), np.empty((0, 2)), Edges.of_zones([]), corners)
+
+    @property
+    def width(self):
+        """Width of the contact."""
+        return self.contact[1] - self.contact[0]
+
+    @property
+    def stick_edges(self):
+        """Edges of stick, present and past."""
+        return self.kinks + Edges.of_zones(self.zones)
+
+    def nodes(self, count, margin, k):
+        """``count`` nodes over the contact and ``margin`` [length] beside it."""
+        low, high = self.contact[0] - margin, self.contact[1] + margin
+        position = np.concatenate([self.contact, self.corners.position, self.kinks.position, self.zones.ravel()])
+        density = np.ones(len(position))
+        density[len(position) - self.zones.size :] = STICK_DENSITY
+        at_stick = max(SMALLEST, SOFTEST ** (1 / (1 - k)))
+        smallest = np.where(np.arange(len(position)) < 2, SMALLEST, at_stick) * self.width
+        return graded_nodes(low, high, position, density, count, smallest, grading_order(k))
+
+    def operator(self, kernel, nodes, settled, coupled):
+        """Operator on ``nodes``, with interpolations that trust the edges if they are ``settled``."""
+        if not settled:
+            return SurfaceOperator.on(kernel, nodes, linear(nodes), linear(nodes), coupled)
+        contact = Edges.of_zones([self.contact])
+        exponent = (1 + kernel.k) / 2
+        of_pressure = adapted(nodes, contact, self.stick_edges + self.corners, exponent, self.width)
+        of_traction = adapted(nodes, contact + self.stick_edges, self.corners, exponent, self.width)
+        return SurfaceOperator.on(kernel, nodes, of_pressure, of_traction, coupled)
+
+    def of(self, solution, mu, k, old_edges):
+        """Layout that a solution shows."""
+        contact, zones = contact_edges(solution, k), stick_zones(solution, mu, k)
+        kinks = inner_edges(old_edges, zones, NEIGHBOUR * (contact[1] - contact[0]))
+        return replace(self, contact=contact, zones=zones, kinks=kinks)
+
+    @property
+    def stick(self):
+        """Left and right end of all stick zones; nan without stick."""
+        return (self.zones[0, 0], self.zones[-1, 1]) if len(self.zones) else (np.nan, np.nan)
+
+    def distance_of_contact(self, other):
+        """Largest motion of the ends of contact over the width."""
+        return np.abs(np.subtract(self.contact, other.contact)).max() / self.width
+
+    def distance(self, other):
+        """Largest motion of the ends of contact and stick over the width; infinite if stick comes or goes."""
+        if (len(self.zones) == 0) != (len(other.zones) == 0):
+            return np.inf
+        stick = np.abs(np.subtract(self.stick, other.stick)) / self.width
+        return max(self.distance_of_contact(other), np.nan_to_num(stick).max())
+
+    def halfway(self, new):
+        """Edges between these and the ``new`` ones, where there are as many."""
+        contact = tuple((np.array(self.contact) + new.contact) / 2)
+        zones = (self.zones + new.zones) / 2 if len(self.zones) == len(new.zones) else new.zones
+        return replace(new, contact=contact, zones=zones)
+
+    def with_edges_of(self, new):
+        """The ``new`` layout, with more nodes at the edges of stick of this one."""
+        return replace(new, kinks=new.kinks + Edges.of_zones(self.zones))

@@ -1,0 +1,220 @@
+"""Incremental frictional contact of a rigid convex profile with a half-plane, normal-tangential coupling included.
+
+A boundary-element reference without mesh of the body: tractions on nodes that follow the edges of contact and
+stick from increment to increment, the surface kernels integrated exactly, and the conditions of Signorini and
+Coulomb fulfilled node by node. Beyond the paper, whose theory neglects the coupling [X6].
+"""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from functools import cached_property, partial
+from math import exp, log
+
+import numpy as np
+from scipy.optimize import brentq
+
+from ..material import GradedHalfPlane
+from .increment import Increment
+from .interpolation import integral, interpolated
+from .layout import Layout, first_distance
+from .linear import ContactNotConverged, ContactSets
+from .operator import element_moments, nodal_moments
+from .state import ContactState, Memory, StoredField
+from .surface_kernel import PowerLawKernel, SurfaceKernel
+
+COARSE_MARGIN, MARGIN = 0.1, 0.01  # nodes beyond the contact over its width: while the edges are sought, and then
+SOUGHT = 2e-3  # motion of the edges over the width of the contact below which all nodes are used,
+SETTLED = 0.3  # and below which they rest, over the distance from an edge to its first few nodes
+SLOW = 0.5  # ratio of successive motions above which edges are thought to go to and fro, and move half way only
+PATIENCE = 5  # passes with half of the nodes; twice as many with all, and then edges rest that move less than SOUGHT
+PASSES = 20
+UNSETTLED = 0.02  # motion of the edges of contact over its width that is never borne with
+FLOOR = 1e-100  # of a ratio whose logarithm is taken
+HALVINGS = 4  # of an increment, one after the other
+
+
+@dataclass(frozen=True)
+class HalfPlaneContact:
+    """Rigid profile f(x) under loads P and Q on a half-plane, f + u_y - delta_y >= 0, |q| <= mu p.
+
+    solid: a GradedHalfPlane or any SurfaceKernel. profile: has ``height(x)`` [length], convex with its tip at x = 0,
+    and if need be ``flat`` and ``order`` like a Profile or PowerProfile, which tell where it is not smooth.
+    mu: friction coefficient. coupling: False leaves out the coupling kernel, the approximation of the closed forms.
+    friction_in_normal_stage: whether friction acts from first contact, or only after the leading loads with Q = 0.
+    nodes: their number at every increment; half of them while the edges are sought.
+    """
+
+    solid: GradedHalfPlane | SurfaceKernel
+    profile: object
+    mu: float
+    coupling: bool = True
+    friction_in_normal_stage: bool = False
+    nodes: int = 300
+
+    @cached_property
+    def kernel(self) -> SurfaceKernel:
+        """Surface kernel of the solid."""
+        return PowerLawKernel(self.solid) if isinstance(self.solid, GradedHalfPlane) else self.solid
+
+    def run(self, loads: Iterable[tuple[float, float]]) -> list[ContactState]:
+        """State after every load (P, Q) of ``loads``, starting from no contact; see ``increments``."""
+        return list(self.increments(loads))
+
+    def increments(self, loads: Iterable[tuple[float, float]]) -> Iterator[ContactState]:
+        """States one by one.
+
+        Raises ValueError for P <= 0, |Q| >= mu P or a first Q != 0; ContactNotConverged, with the reason.
+        """
+        memory, normal_stage = None, True
+        for P, Q in loads:
+            if not P > 0 or not (Q == 0 or abs(Q) < self.mu * P):
+                raise ValueError(f"P = {P!r}, Q = {Q!r}: needs P > 0 and |Q| < mu P, mu = {self.mu!r}")
+            if memory is None:
+                if Q != 0:
+                    raise ValueError(f"Q = {Q!r} at first contact: the first load has Q = 0")
+                memory = Memory(None, Layout.first(self._guessed_half_width(P), self._corners))
+            normal_stage = normal_stage and Q == 0
+            memory = self._reached(memory, P, Q, normal_stage)
+            yield memory.state
+
+    def _reached(self, memory, P, Q, normal_stage, halvings=HALVINGS):
+        """Memory of the load (P, Q), reached in two halves should one step fail."""
+        try:
+            return self._advance(memory, P, Q, normal_stage)
+        except ContactNotConverged:
+            if not halvings:
+                raise
+        before = (memory.state.P, memory.state.Q) if memory.state else (0.0, 0.0)
+        half = self._reached(memory, (before[0] + P) / 2, (before[1] + Q) / 2, normal_stage, halvings - 1)
+        return self._reached(half, P, Q, normal_stage, halvings - 1)
+
+    def _advance(self, memory, P, Q, normal_stage):
+        """Solves on nodes that follow the edges until these rest: with half of the nodes first, then with all."""
+        k = self.kernel.k
+        mu = self.mu if self.friction_in_normal_stage or not normal_stage else 0.0
+        layout, old_edges = memory.layout, memory.edges_left_behind(Q)
+        fine, solution, iterations, motion = 0, None, 0, np.inf
+        settled = SETTLED * first_distance(self.nodes, k)
+        for number in range(PASSES):
+            operator, solution = self._solved(layout, fine > 0, fine > 0, memory, mu, P, Q, solution)
+            iterations += solution.iterations
+            new = layout.of(solution, mu, k, old_edges)
+            last_motion, motion = motion, new.distance(layout)
+            if fine and motion < (SOUGHT if fine > 2 * PATIENCE else settled):
+                return self._remember(memory, new, operator, solution, P, Q, normal_stage, motion, iterations)
+            fine += fine > 0 or motion < SOUGHT or number >= PATIENCE
+            layout = layout.halfway(new) if motion > SLOW * last_motion else new
+        # Some edge goes to and fro between nodes: straight lines do not ask where it is.
+        layout = layout.with_edges_of(new)
+        operator, solution = self._solved(layout, True, False, memory, mu, P, Q, solution)
+        new = layout.of(solution, mu, k, old_edges)
+        if (motion := new.distance_of_contact(layout)) > UNSETTLED:
+            raise ContactNotConverged(
+                f"P = {P:g}, Q = {Q:g}: after {PASSES} passes the edges of contact still move "
+                f"by {motion:.1e} of the width of the contact"
+            )
+        motion = new.distance(layout)
+        return self._remember(memory, new, operator, solution, P, Q, normal_stage, motion, iterations)
+
+    def _solved(self, layout, fine, adapted, memory, mu, P, Q, previous):
+        """Operator and solution on the nodes of ``layout``, more of them should the contact reach the last."""
+        margin = layout.width * (MARGIN if fine else COARSE_MARGIN)
+        while True:
+            x = layout.nodes(self.nodes if fine else self.nodes // 2, margin, self.kernel.k)
+            operator = layout.operator(self.kernel, x, adapted, self.coupling)
+            height = self._height(x)
+            if not np.isfinite(height).all():
+                beyond = x[~np.isfinite(height)][0]
+                raise ValueError(
+                    f"P = {P:g}, Q = {Q:g}: the profile has no height at x = {beyond:g}, just outside "
+                    f"the contact between {layout.contact[0]:g} and {layout.contact[1]:g}"
+                )
+            increment = Increment(operator, height, memory.position(x), mu, P, Q)
+            previous = increment.solve(_initial_sets(x, layout, previous))
+            if not previous.sets.closed[[0, -1]].any():
+                return operator, previous
+            margin += 0.1 * layout.width
+
+    def _remember(self, memory, layout, operator, solution, P, Q, normal_stage, motion, iterations):
+        x = operator.nodes
+        mean_pressure = (solution.pressure + memory.pressure(x)) / 2
+        friction = self.mu * solution.sets.slipping * mean_pressure
+        work = integral(x, operator.of_pressure, friction, memory.position(x) - solution.position)
+
+        def position(y):
+            _, T, D = element_moments(self.kernel, y, x)
+            u_x = nodal_moments(T, operator.of_traction) @ solution.traction
+            if self.coupling:
+                u_x += nodal_moments(D, operator.of_pressure) @ solution.pressure
+            return u_x - solution.delta_x
+
+        if normal_stage:
+            slip, slip_field = np.zeros(len(x)), np.zeros_like
+            reference = StoredField(x, solution.position, position)
+        else:
+            reference = memory.reference
+            slip = np.where(solution.stuck, memory.slip(x), solution.position - reference(x))
+            slip_field = StoredField(x, slip, lambda y: position(y) - reference(y))
+        state = ContactState(
+            P,
+            Q,
+            x,
+            operator.weight,
+            operator.weight_q,
+            solution.pressure,
+            solution.traction,
+            slip,
+            solution.gap,
+            layout.contact,
+            layout.stick,
+            layout.zones,
+            memory.dissipated_energy + work,
+            solution.delta_x,
+            solution.delta_y,
+            motion,
+            iterations,
+        )
+        pressure = partial(interpolated, x, operator.of_pressure, solution.pressure)
+        moved = np.sign(Q - memory.state.Q) if memory.state else 0.0
+        return Memory(state, layout, slip_field, reference, pressure, moved or memory.direction)
+
+    @property
+    def _corners(self):
+        """Where the profile is not smooth [length]: at the ends of its flat, or at a tip sharper than a parabola."""
+        flat = getattr(self.profile, "flat", 0.0)
+        return [-flat, flat] if flat else [0.0] * (getattr(self.profile, "order", 2.0) < 2)
+
+    def _height(self, x):
+        with np.errstate(invalid="ignore", over="ignore"):  # beyond the end of an arc, say
+            return self.profile.height(x)
+
+    def _guessed_half_width(self, P):
+        """Length l over which the load P makes a displacement of the order of the indenter's height f(l)."""
+        flat = getattr(self.profile, "flat", 0.0)
+
+        def excess(log_width):
+            length = flat + exp(log_width)
+            near, far = self.kernel.values(np.array([length / 2, length]))[0]
+            height = float(self._height(length))
+            if not np.isfinite(height):  # beyond the indenter's end
+                return log(1 / FLOOR)
+            return log(max(height / (P * (near - far)), FLOOR))
+
+        low = high = log(flat) if flat else 0.0
+        while excess(low) > 0:
+            low -= 5
+        while excess(high) < 0:
+            high += 5
+        return flat + exp(brentq(excess, low, high))
+
+
+def _initial_sets(x, layout, previous):
+    """Sets of the previous pass on new nodes; in the first pass every node in contact sticks, the predictor."""
+    closed = (x > layout.contact[0]) & (x < layout.contact[1])
+    if previous is None:
+        return ContactSets(closed, np.zeros(len(x)))
+    nearest = np.searchsorted((previous.x[1:] + previous.x[:-1]) / 2, x)
+    slipping = np.where(closed, previous.sets.slipping[nearest], 0.0)
+    centre = np.mean(layout.stick if len(layout.zones) else layout.contact)
+    slipping[np.abs(x - centre).argmin()] = 0.0  # a stick zone may lie between two nodes
+    return ContactSets(closed, slipping)

@@ -1,0 +1,93 @@
+"""What an increment of the contact solver returns, and what it leaves behind for the next one."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from .interpolation import Edges
+from .layout import Layout
+
+
+@dataclass(frozen=True)
+class ContactState:
+    """Result of one increment; arrays are values at the nodes x, in increasing order.
+
+    P, Q: loads [stress x length]; x: nodes [length]; weight, weight_q: quadrature weights [length] with which pressure
+    and traction sum up to the loads, the same up to the error of interpolation; pressure, traction [stress];
+    slip: u_x - delta_x since the end of the normal stage [length], also where there is no contact; gap [length];
+    contact, stick: left and right edge [length], stick nan without friction;
+    stick_zones: all of them, shape (n, 2); dissipated_energy: frictional work since first contact [stress x length²];
+    delta_x, delta_y: displacements of the indenter [length], for k <= 0 up to a constant times the loads;
+    edge_motion: between the last two sets of nodes, over the width of the contact; iterations: linear solves.
+    """
+
+    P: float
+    Q: float
+    x: np.ndarray
+    weight: np.ndarray
+    weight_q: np.ndarray
+    pressure: np.ndarray
+    traction: np.ndarray
+    slip: np.ndarray
+    gap: np.ndarray
+    contact: tuple[float, float]
+    stick: tuple[float, float]
+    stick_zones: np.ndarray
+    dissipated_energy: float
+    delta_x: float
+    delta_y: float
+    edge_motion: float
+    iterations: int
+
+
+@dataclass(frozen=True)
+class StoredField:
+    """Function of x known at the nodes of an increment, and beyond them from its tractions."""
+
+    x: np.ndarray
+    value: np.ndarray
+    beyond: Callable
+
+    @cached_property
+    def _interpolant(self):
+        return CubicSpline(self.x, self.value)
+
+    def __call__(self, x):
+        """Values at x, shape (n,)."""
+        inside = (x >= self.x[0]) & (x <= self.x[-1])
+        result = np.empty(len(x))
+        result[inside] = self._interpolant(x[inside])
+        if not inside.all():
+            result[~inside] = self.beyond(x[~inside])
+        return result
+
+
+@dataclass(frozen=True)
+class Memory:
+    """Last state (None before first contact), its layout, and functions of x: slip, its reference u_x - delta_x,
+    pressure; and the direction in which Q last moved."""
+
+    state: ContactState | None
+    layout: Layout
+    slip: Callable = np.zeros_like
+    reference: Callable = np.zeros_like
+    pressure: Callable = np.zeros_like
+    direction: float = 0.0
+
+    def position(self, x):
+        """u_x - delta_x at x [length]."""
+        return self.slip(x) + self.reference(x)
+
+    def edges_left_behind(self, Q):
+        """Edges of stick where slip ended for good; those of the last increment count if Q turns back from it."""
+        kinks = self.layout.kinks
+        turned = self.state is not None and np.sign(Q - self.state.Q) not in (0.0, self.direction)
+        return kinks + Edges.of_zones(self.layout.zones) if turned else kinks
+
+    @property
+    def dissipated_energy(self):
+        """Frictional work so far [stress x length²]."""
+        return self.state.dissipated_energy if self.state else 0.0

@@ -1,0 +1,125 @@
+"""The package from Python: a scene from keys, a run without files, its results as arrays in SI units."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from mpi4py import MPI
+
+from .run import comparison, reference
+from .run.history import Entry
+from .run.simulation import Simulation
+from .scene.scene import DEFAULT_SCENE, THICKNESS, Y0, Scene, resolve
+from .scene.text import flatten, read_keys
+
+
+def make_scene(changes: Mapping[str, Any] | None = None, base: str | Scene | None = DEFAULT_SCENE) -> Scene:
+    """A checked scene: ``base`` (TOML text, a Scene, or None for nothing) with changed keys; or a SceneError.
+
+    changes: ``{"solid.k": 0.5}`` or tables, ``{"solid": {"k": 0.5}}``; a key that is None is taken out.
+    """
+    given = {} if base is None else dict(base.values if isinstance(base, Scene) else read_keys(base))
+    new = flatten(dict(changes or {}))
+    for pair in (Y0, THICKNESS):
+        if any(new.get(name) is not None for name in pair):
+            given = {name: value for name, value in given.items() if name not in pair}
+    given |= new
+    return resolve({name: value for name, value in given.items() if value is not None})
+
+
+@dataclass(frozen=True)
+class Result:
+    """What a run found, SI units. s states, n surface nodes.
+
+    Fields are those of every increment in order; ``simulation`` has the rest, in scaled units.
+    """
+
+    simulation: Simulation
+
+    @property
+    def _entries(self) -> list[Entry]:
+        return self.simulation.history.entries
+
+    def _stack(self, get: Callable[[Entry], Any], unit: float) -> np.ndarray:
+        return np.array([get(entry) for entry in self._entries]) * unit
+
+    @cached_property
+    def x(self) -> np.ndarray:
+        """(n,) positions along the surface, m."""
+        return self._entries[0].surface.x * self.simulation.scaled.scales.length
+
+    @cached_property
+    def weight(self) -> np.ndarray:
+        """(n,) length of surface that belongs to a node, m: ``pressure @ weight`` is P."""
+        return self._entries[0].surface.weight * self.simulation.scaled.scales.length
+
+    @cached_property
+    def pressure(self) -> np.ndarray:
+        """(s, n) contact pressure, Pa."""
+        return self._stack(lambda entry: entry.surface.pressure, self.simulation.scaled.scales.stress)
+
+    @cached_property
+    def traction(self) -> np.ndarray:
+        """(s, n) tangential traction on the half-plane, positive along +Q, Pa."""
+        return self._stack(lambda entry: entry.surface.traction, self.simulation.scaled.scales.stress)
+
+    @cached_property
+    def slip(self) -> np.ndarray:
+        """(s, n) u_x - delta_x since tangential loading began, m."""
+        return self._stack(lambda entry: entry.slip, self.simulation.scaled.scales.displacement)
+
+    @cached_property
+    def P(self) -> np.ndarray:
+        """(s,) normal line load, N/m."""
+        return self._stack(lambda entry: entry.increment.P, self.simulation.scaled.scales.line_load)
+
+    @cached_property
+    def Q(self) -> np.ndarray:
+        """(s,) tangential line load, N/m."""
+        return self._stack(lambda entry: entry.increment.Q, self.simulation.scaled.scales.line_load)
+
+    @cached_property
+    def delta(self) -> np.ndarray:
+        """(s, 2) displacement of the indenter along and into the surface, m."""
+        return self._stack(lambda entry: entry.surface.delta, self.simulation.scaled.scales.displacement)
+
+    @property
+    def a(self) -> float:
+        """Contact half-width at the end, m."""
+        return self._entries[-1].a * self.simulation.scaled.scales.length
+
+    @property
+    def c(self) -> float:
+        """Stick half-width at the end, m."""
+        return self._entries[-1].c * self.simulation.scaled.scales.length
+
+    @property
+    def dissipated_energy(self) -> float:
+        """Of the last full cycle, or of everything where there is none, J/m."""
+        return self.simulation.history.dissipated_energy * self.simulation.scaled.scales.energy
+
+    def errors(self) -> dict[str, float]:
+        """Relative deviations from what has the same physics; reference.NoReference where there is none."""
+        return comparison.compare(self.simulation.history, reference.of_same_physics(self.simulation))
+
+
+def run(
+    changes: Mapping[str, Any] | Scene | None = None,
+    base: str | Scene | None = DEFAULT_SCENE,
+    comm: MPI.Comm = MPI.COMM_SELF,
+    progress: Callable[[Entry], None] | None = None,
+) -> Result:
+    """Run a Scene, or ``make_scene(changes, base)``, to its end; no files. SolveError where there is no solution.
+
+    comm: every rank of it calls ``run`` and gets the whole result; progress: called with each entry of the history.
+    """
+    scene = changes if isinstance(changes, Scene) else make_scene(changes, base)
+    simulation = Simulation(comm, scene)
+    for entry in simulation.run():
+        if progress:
+            progress(entry)
+    return Result(simulation)

@@ -1,0 +1,1 @@
+"""What every command shares: its command line, its progress lines, and how it ends."""

@@ -1,0 +1,59 @@
+"""What a run says while it goes: a line an increment with the time left; on a terminal one line, written over."""
+
+import os
+import shutil
+import sys
+import time
+
+from ..run.simulation import Simulation
+from .command import say
+
+LAUNCHED = ("PMIX_RANK", "PMI_RANK", "OMPI_COMM_WORLD_RANK")  # mpirun's ranks have a terminal even where it has none
+
+
+class Progress:
+    """Lines on rank 0's standard output; nothing at all where ``quiet``."""
+
+    def __init__(self, simulation: Simulation, quiet: bool = False):
+        self.simulation, self.quiet = simulation, quiet
+        self.total, self._first = len(simulation.programme), len(simulation.history.entries)
+        self._start = time.perf_counter()
+        self._live = not quiet and sys.stdout.isatty() and not any(name in os.environ for name in LAUNCHED)
+
+    def say(self, text: str):
+        """A line of its own."""
+        if not self.quiet:
+            say(text)
+
+    def step(self, entry):
+        """The increment just done."""
+        done = len(self.simulation.history.entries)
+        line = f"{done:4d}/{self.total}  {describe(entry, self.simulation)}"
+        if done < self.total:
+            each = (time.perf_counter() - self._start) / (done - self._first)
+            line += f", {duration(each * (self.total - done))} left"
+        if not self._live:
+            self.say(line)
+            return
+        stays = bool(entry.increment.state) or done == self.total
+        width = shutil.get_terminal_size().columns - 1
+        say(f"\r\x1b[K{line if stays else line[:width]}", end="\n" if stays else "")
+
+
+def duration(seconds: float) -> str:
+    """Seconds in words: 8 s, 12 min, 3 h 20 min."""
+    if seconds < 99.5:
+        return f"{seconds:.0f} s"
+    minutes = round(seconds / 60)
+    return f"{minutes} min" if minutes < 100 else f"{minutes // 60} h {minutes % 60} min"
+
+
+def describe(entry, simulation: Simulation) -> str:
+    """One increment: its load, contact or stick, and what it took."""
+    increment = entry.increment
+    load = f"P = {increment.P:.3f} P_max   a = {entry.a * simulation.scaled.scales.length:.4g} m"
+    if increment.branch != "normal":
+        share = f"Q/(mu P) = {increment.Q / (simulation.mu * increment.P):+.3f}   c/a = {entry.c / entry.a:.4f}"
+        load = share if simulation.scene.is_loop else f"P = {increment.P:.3f} P_max   {share}"
+    cuts = f", {entry.cuts} cuts" if entry.cuts else ""
+    return f"{increment.branch:9s} {load}   {entry.iterations} iterations{cuts}, {entry.seconds:.2f} s"

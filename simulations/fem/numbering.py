@@ -1,0 +1,124 @@
+"""Numbers of nodes and cells by column and layer of the tensor-product mesh, the same on any number of ranks."""
+
+import numpy as np
+
+from .body import HalfPlane
+
+INSIDE = {1: (), 2: (0.5,), 3: (0.5 - 0.5 / 5**0.5, 0.5 + 0.5 / 5**0.5)}  # nodes between vertices, by degree: GLL's
+
+
+class Numbering:
+    """Places of the nodes on the tensor-product mesh of columns ``x`` (c,) and layers ``s`` (l,).
+
+    Degree d: node (row, column) of the (d (l - 1) + 1, d (c - 1) + 1) vertices and nodes between them. In the mixed
+    form the mean stress follows with its own, of degree d - 1.
+    """
+
+    def __init__(self, body: HalfPlane, x: np.ndarray, s: np.ndarray):
+        self.body, self.comm = body, body.mesh.comm
+        self._degree = body.degree
+        self._x, self._s = (_with_nodes_between(nodes, self._degree) for nodes in (x, s))
+        self.shape = len(self._s), len(self._x)
+        self._places: list[tuple[np.ndarray, np.ndarray, int]] = []  # index in ``state``, place, rows owned
+        size = body.space.dofmap.index_map.size_local * body.space.dofmap.index_map_bs
+        node = _number(body.displacements.tabulate_dof_coordinates(), self._x, self._s)
+        dofs = body.dofs.ravel()
+        self._add(dofs, (2 * node[:, None] + np.arange(2)).ravel(), size)
+        self.size = 2 * len(self._s) * len(self._x)
+        if body.mixed:
+            space, inside = body.space.sub(1).collapse()
+            grid = [_with_nodes_between(nodes, self._degree - 1) for nodes in (x, s)]
+            self._add(np.asarray(inside), self.size + _number(space.tabulate_dof_coordinates(), *grid), size)
+            self.size += len(grid[0]) * len(grid[1])
+        self._make_points()
+
+    def gather(self, local: np.ndarray) -> np.ndarray | None:
+        """The whole ``state``-like array (size,), on rank 0, from the ranks' local ones."""
+        index, place = (np.concatenate(parts) for parts in zip(*((i[m], p[m]) for i, p, m in self._places)))
+        return self._collect(place, local[index], self.size)
+
+    def scatter(self, whole: np.ndarray, local: np.ndarray):
+        """Fill the local ``state``-like array, ghosts included, from the whole one."""
+        for index, place, _ in self._places:
+            local[index] = whole[place]
+
+    def gather_points(self, local: np.ndarray) -> np.ndarray | None:
+        """Values at the points of the cells along the surface, (columns, d + 1, d + 1) on rank 0; nan off the strip."""
+        count = (len(self._x) // self._degree) * (self._degree + 1) ** 2
+        owned = self._point_owned
+        whole = self._collect(self._point_place[owned], local[self._point_index[owned]], count)
+        return None if whole is None else whole.reshape(-1, self._degree + 1, self._degree + 1)
+
+    def scatter_points(self, whole: np.ndarray, local: np.ndarray):
+        """The inverse of ``gather_points``, on every rank."""
+        local[self._point_index] = whole.ravel()[self._point_place]
+
+    @property
+    def vertices(self) -> int:
+        """Number of vertices."""
+        return len(self._s[:: self._degree]) * len(self._x[:: self._degree])
+
+    @property
+    def cells(self) -> int:
+        """Number of cells."""
+        return (len(self._s) // self._degree) * (len(self._x) // self._degree)
+
+    def mesh(self) -> tuple[np.ndarray, np.ndarray]:
+        """Vertices (n, 2) at their physical depth and cells (m, 4), layer by layer."""
+        x, y = self._x[:: self._degree], self.body.depth.y(self._s[:: self._degree])
+        points = np.stack([np.tile(x, len(y)), np.repeat(y, len(x))], axis=1)
+        first = (np.arange(len(y) - 1)[:, None] * len(x) + np.arange(len(x) - 1)).ravel()
+        return points, np.stack([first, first + 1, first + 1 + len(x), first + len(x)], axis=1)
+
+    def at_vertices(self, whole: np.ndarray) -> np.ndarray:
+        """Displacement (n, 2) at the vertices of ``mesh``, from a whole ``state``."""
+        step = slice(None, None, self._degree)
+        return whole[: 2 * self._s.size * self._x.size].reshape(*self.shape, 2)[step, step].reshape(-1, 2)
+
+    def gather_cells(self, local: np.ndarray) -> np.ndarray | None:
+        """Rows (m, ...) of a value a cell, in the order of ``mesh``, on rank 0."""
+        topology = self.body.mesh.topology
+        count, geometry = topology.index_map(topology.dim).size_local, self.body.mesh.geometry
+        x, s, _ = geometry.x[geometry.dofmap[:count]].mean(axis=1).T
+        column, row = np.searchsorted(self._x[:: self._degree], x) - 1, np.searchsorted(self._s[:: self._degree], s) - 1
+        return self._collect(row * (len(self._x) // self._degree) + column, local[:count], self.cells)
+
+    def _add(self, index, place, owned):
+        self._places.append((index, place, index < owned))
+
+    def _make_points(self):
+        body, space = self.body, self.body.point_space
+        cells, geometry = body.strip_cells, body.mesh.geometry
+        middle = geometry.x[geometry.dofmap[cells], 0].mean(axis=1)
+        column = np.searchsorted(self._x[:: self._degree], middle) - 1
+        index = space.dofmap.list[cells]
+        points = space.tabulate_dof_coordinates()[index]  # (cells, (d + 1)², 3)
+        across = _nearest(self._x, points[..., 0]) - self._degree * column[:, None]
+        nodes = self._degree + 1
+        self._point_place = ((column[:, None] * nodes + across) * nodes + _nearest(self._s, points[..., 1])).ravel()
+        self._point_index = index.ravel()
+        self._point_owned = self._point_index < space.dofmap.index_map.size_local
+
+    def _collect(self, place, values, size):
+        parts = self.comm.gather((place, values))
+        if parts is None:
+            return None
+        whole = np.full((size, *values.shape[1:]), np.nan)
+        for where, what in parts:
+            whole[where] = what
+        return whole
+
+
+def _with_nodes_between(vertices, degree):
+    between = [vertices[:-1] + share * np.diff(vertices) for share in INSIDE[degree]]
+    return np.sort(np.concatenate([vertices, *between]))
+
+
+def _number(points, x, s):
+    """Places of points (n, 3) among the nodes of columns x and layers s."""
+    return _nearest(s, points[:, 1]) * len(x) + _nearest(x, points[:, 0])
+
+
+def _nearest(grid, values):
+    after = np.clip(np.searchsorted(grid, values), 1, len(grid) - 1)
+    return after - (values - grid[after - 1] < grid[after] - values)

@@ -1,0 +1,131 @@
+"""What a state shows on the surface: pressure, traction, slip, edges of contact and stick, dissipated energy."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from dolfinx import fem
+
+from .body import HalfPlane, X, Y
+from .contact_problem import ContactProblem
+from .parallel import gathered
+
+SKIPPED, FITTED = 5, 10  # nodes next to an edge that carry its discretisation error, and those read beyond them
+ROUND_OFF = 1e-9  # a traction this close (relative to the largest limit) to its limit slides
+
+
+@dataclass(frozen=True)
+class SurfaceState:
+    """Nodal values (n,) on the strip under the cylinder, sorted by x, equal on every rank, dimensionless.
+
+    weight is the length of surface that belongs to a node: sum(weight * pressure) is the line load P.
+    """
+
+    x: np.ndarray
+    weight: np.ndarray
+    pressure: np.ndarray
+    traction: np.ndarray
+    u: np.ndarray  # (2, n)
+    delta: np.ndarray  # (2,)
+    neglected: np.ndarray  # (n,) the u_x of the pressure, where coupling is off; 0 otherwise
+
+    @property
+    def relative_displacement(self) -> np.ndarray:
+        """u_x - delta_x as friction sees it, (n,)."""
+        return self.u[X] - self.neglected - self.delta[X]
+
+    def line_load(self, values) -> float:
+        """Integral of nodal values over the surface."""
+        return float(self.weight @ values)
+
+
+class SurfaceSampler:
+    """Collects a SurfaceState from all ranks. problem: any on the body; uncoupled: the pressure's u_x is not slip."""
+
+    def __init__(self, body: HalfPlane, problem: ContactProblem, uncoupled: bool = False):
+        self.body, self._uncoupled = body, uncoupled
+        nodes = fem.locate_dofs_topological(body.displacements, 1, body.strip)
+        self._nodes = nodes[nodes < body.owned_nodes]
+        x = gathered(body.mesh.comm, body.displacements.tabulate_dof_coordinates()[self._nodes, 0])
+        self._order = np.argsort(x)
+        self.x = x[self._order]
+        self.weight = self._collect(problem.tributary_lengths()[self._nodes])
+        if body.is_half:
+            self.weight[len(self.x) - 1] *= 2.0  # the node on the axis
+            self.x = np.concatenate([-self.x[:0:-1], self.x])
+
+    def sample(self, problem: ContactProblem) -> SurfaceState:
+        """The present state of the surface; contact tractions are nodal forces over tributary lengths."""
+        force = [self._collect(problem.nodal_forces(i, self._nodes)) for i in (X, Y)]
+        if self.body.is_half:
+            force[Y][len(self.x) // 2] *= 2.0
+        dofs = self.body.dofs[self._nodes]
+        u, held = (state.x.array[dofs] for state in (self.body.state, problem.held_state or self.body.state))
+        neglected = held[:, X] if self._uncoupled else np.zeros(len(u))
+        return SurfaceState(
+            x=self.x,
+            weight=self.weight,
+            pressure=force[Y] / self.weight,
+            traction=force[X] / self.weight,
+            u=np.stack([self._collect(u[:, X], mirrored=-1), self._collect(u[:, Y])]),
+            delta=self.body.delta.value.copy(),
+            neglected=self._collect(neglected, mirrored=-1),
+        )
+
+    def _collect(self, nodal, mirrored: int = 1):
+        """Sorted values of all ranks; for half a problem also those of its mirror image, times ``mirrored``."""
+        values = gathered(self.body.mesh.comm, nodal)[self._order]
+        if self.body.is_half:
+            return np.concatenate([mirrored * values[:0:-1], values])
+        return values
+
+
+def contact_edges(state: SurfaceState, k: float) -> tuple[float, float]:
+    """Left and right edge of the contact, where the pressure ends like distance^((1+k)/2), (44)."""
+    return _edges(state.x, state.pressure, k)
+
+
+def stick_edges(state: SurfaceState, mu: float, direction: int, k: float) -> tuple[float, float]:
+    """Left and right edge of the stick zone while the load moves in ``direction`` (+1, -1; 0: neither).
+
+    The traction's distance from the limit it slides at, mu p - direction q, ends there like distance^((1+k)/2), (47).
+    Both are nan when every point slips.
+    """
+    limit = mu * state.pressure
+    margin = limit - (direction * state.traction if direction else np.abs(state.traction))
+    return _edges(state.x, np.where(margin > ROUND_OFF * limit.max(), margin, 0.0), k)
+
+
+def _edges(x, values, k):
+    first, last = _longest_run(values > 0)
+    if last - first < 4:
+        return np.nan, np.nan
+    transformed = values[first:last] ** (2.0 / (1.0 + k))
+    # where the fit leads away (a traction that runs along its limit) the nodes know better
+    right = np.clip(_zero(x[first:last], transformed), x[last - 2], x[min(last + 1, len(x) - 1)])
+    left = np.clip(-_zero(-x[first:last][::-1], transformed[::-1]), x[max(first - 2, 0)], x[first + 1])
+    return float(left), float(right)
+
+
+def _zero(x, values):
+    """Where ``values``, smooth and positive up to its right end, reaches zero; between nodes.
+
+    A parabola through FITTED nodes, which leaves out the SKIPPED ones next to the edge, is continued to its zero.
+    """
+    stop = max(len(x) - SKIPPED, 4)
+    start = max(stop - FITTED, 0)
+    for degree in (2, 1):  # a line where the parabola turns before it reaches zero
+        roots = np.polynomial.Polynomial.fit(x[start:stop], values[start:stop], degree).roots()
+        roots = roots[np.isreal(roots)].real
+        if roots.size:
+            return float(roots[np.argmin(np.abs(roots - x[-1]))])
+    return float(x[-1])
+
+
+def _longest_run(mask):
+    """First index and end of the longest run of True."""
+    ends = np.flatnonzero(np.diff(np.concatenate([[0], mask.astype(int), [0]])))
+    if ends.size == 0:
+        return 0, 0
+    starts, stops = ends[::2], ends[1::2]
+    longest = np.argmax(stops - starts)
+    return starts[longest], stops[longest]

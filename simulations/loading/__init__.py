@@ -1,0 +1,1 @@
+"""The load schedule, and the steps along it: what is done when Newton fails."""

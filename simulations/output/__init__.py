@@ -1,0 +1,1 @@
+"""The results folder: tables, fields, restart files, plots and the report page."""

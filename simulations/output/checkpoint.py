@@ -1,0 +1,173 @@
+"""What a killed run leaves for the next one: the states so far and the memory that the next increment needs.
+
+Two files in ``checkpoint/``. ``states.bin`` has a record of fixed size for every increment, each written once at its
+own place; ``memory.npz`` is replaced whole after every increment and says how many records count. Whatever was half
+written when the run ended is overwritten by the run that goes on.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import shutil
+import zipfile
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..fem.mesh import Grading
+from ..fem.surface import SurfaceState
+from ..loading.stepping import Outcome
+from ..run import memory
+from ..scene.language import SceneError
+from ..scene.scene import Scene, parse
+from ..solvers.newton import NewtonResult
+from .files import on_disk
+
+if TYPE_CHECKING:
+    from ..run.history import Entry
+    from ..run.simulation import Simulation
+
+FOLDER, SCENE = "checkpoint", "scene.toml"
+NODAL = ("pressure", "traction", "u", "delta", "neglected")
+SCALARS = ("iterations", "cuts", "residual", "imbalance", "seconds")
+
+
+def record(n: int) -> np.dtype:
+    """One increment: nodal values (n,) of a SurfaceState and what it took."""
+    fields = [("pressure", "f8", n), ("traction", "f8", n), ("u", "f8", (2, n)), ("delta", "f8", 2)]
+    fields.append(("neglected", "f8", n))
+    return np.dtype(fields + [(name, "f8") for name in SCALARS])
+
+
+@dataclass(frozen=True)
+class Saved:
+    """A run as it was left: its scene, mesh grading, states (s,) of dtype ``record``, memory and seconds by phase."""
+
+    scene: Scene
+    cells: Grading | None = None
+    states: np.ndarray | None = None
+    memory: dict[str, np.ndarray] | None = None
+    seconds: dict[str, float] | None = None
+    resumed: int = 0  # how many times, this one included
+    complete: bool = False
+
+    @property
+    def increments(self) -> int:
+        """How many are done."""
+        return 0 if self.states is None else len(self.states)
+
+
+class Checkpoint:
+    """Writes the checkpoint of a run into ``folder``. Every rank calls ``save``; rank 0 writes."""
+
+    def __init__(self, folder: Path, simulation: Simulation):
+        self.simulation, self._folder = simulation, folder / FOLDER
+
+    def save(self, entry: Entry):
+        """Keep the state just reached, and the memory that goes with it."""
+        simulation = self.simulation
+        kept = memory.save(simulation.solver, simulation.numbering)
+        if kept is None:
+            return
+        self._folder.mkdir(exist_ok=True)
+        surface, number = entry.surface, len(simulation.history.entries)
+        row = np.zeros((), record(surface.x.size))
+        for name in NODAL:
+            row[name] = getattr(surface, name)
+        for name in SCALARS:
+            row[name] = getattr(entry, name)
+        descriptor = os.open(self._folder / "states.bin", os.O_RDWR | os.O_CREAT, 0o666)
+        with os.fdopen(descriptor, "r+b") as file:
+            file.seek((number - 1) * row.nbytes)
+            file.write(row.tobytes())
+            file.flush()
+            os.fsync(descriptor)
+        with on_disk(self._folder / "memory.npz") as partial:
+            partial.write_bytes(self._packed(number, surface.x.size, kept))
+
+    def _packed(self, number, n, kept):
+        simulation, archive = self.simulation, io.BytesIO()
+        watch = simulation.watch.seconds | {"total": simulation.watch.total}
+        np.savez(
+            archive,
+            scene=simulation.scene.to_toml(),
+            number=[number, n, simulation.resumed],
+            phases=list(watch),
+            seconds=list(watch.values()),
+            **{f"cells {name}": value for name, value in asdict(simulation.cells).items()},
+            **{f"memory {name}": value for name, value in kept.items()},
+        )
+        return archive.getvalue()
+
+
+def remove(folder: Path):
+    """Take away the checkpoint of the run in ``folder``, if there is one: first what makes it count."""
+    (folder / FOLDER / "memory.npz").unlink(missing_ok=True)
+    if (folder / FOLDER).exists():
+        shutil.rmtree(folder / FOLDER)
+
+
+def load(folder: Path) -> Saved:
+    """The run in ``folder``; without a checkpoint its scene alone. SceneError where none is or it does not fit."""
+    try:
+        text = (folder / SCENE).read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        why = getattr(error, "strerror", "it is not text")
+        raise SceneError(f"--resume {folder} is not the folder of a run: {SCENE}: {why}") from None
+    scene = parse(text)
+    if _is_complete(folder):
+        return Saved(scene, complete=True)
+    if not (folder / FOLDER / "memory.npz").exists():
+        return Saved(scene)
+    try:
+        content = io.BytesIO((folder / FOLDER / "memory.npz").read_bytes())  # numpy leaves a damaged file open
+        with np.load(content, allow_pickle=False) as archive:
+            kept = dict(archive)
+        number, n, resumed = map(int, kept["number"])
+        states = np.fromfile(folder / FOLDER / "states.bin", record(n), count=number)
+    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
+        raise SceneError(f"--resume {folder}: the checkpoint cannot be read: {error}".splitlines()[0]) from None
+    if len(states) != number:
+        raise SceneError(f"--resume {folder}: the checkpoint cannot be read: states.bin is too short")
+    if str(kept["scene"]) != scene.to_toml():
+        raise SceneError(f"--resume {folder}: {SCENE} is not the scene of the checkpoint; it was changed afterwards")
+    cells = {name: value.tolist() for name, value in _part(kept, "cells").items()}
+    return Saved(
+        scene,
+        Grading(**cells | {"edges": tuple(cells["edges"]), "sweeps": tuple(map(tuple, cells["sweeps"]))}),
+        states,
+        _part(kept, "memory"),
+        dict(zip(kept["phases"].tolist(), kept["seconds"].tolist())),
+        resumed + 1,
+    )
+
+
+def restore(saved: Saved, simulation: Simulation):
+    """Take a new Simulation to where ``saved`` was left."""
+    if saved.states is None or saved.memory is None or saved.seconds is None:
+        return
+    sampler, solver, done = simulation.sampler, simulation.solver, simulation.programme[: saved.increments]
+    for increment, row in zip(done, saved.states, strict=True):
+        surface = SurfaceState(sampler.x, sampler.weight, **{name: row[name].copy() for name in NODAL})
+        result = NewtonResult(True, int(row["iterations"]), float(row["residual"]), float(row["imbalance"]), "")
+        simulation.history.append(Outcome(increment, (result,), int(row["cuts"])), surface, float(row["seconds"]))
+    solver.skip(done)
+    memory.restore(saved.memory, solver, simulation.numbering)
+    simulation.watch.go_on(saved.seconds)
+    simulation.resumed = saved.resumed
+
+
+def _is_complete(folder):
+    try:
+        summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+        return summary["converged"] and not (folder / FOLDER / "memory.npz").exists()
+    except (OSError, ValueError, KeyError, TypeError):
+        return False
+
+
+def _part(kept, name):
+    return {key.removeprefix(name + " "): value for key, value in kept.items() if key.startswith(name + " ")}

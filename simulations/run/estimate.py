@@ -1,0 +1,88 @@
+"""The error of a run as the run itself can know it: beside the table where there is a closed form, from two meshes
+otherwise.
+"""
+
+import numpy as np
+
+from ..scene import accuracy
+from ..scene.scene import Scene, resolve
+from .comparison import compare
+from .history import Entry, History
+from .simulation import Simulation
+
+COARSER = 2.0  # times the fineness
+
+
+class Solved:
+    """Another run of the same programme as reference, between its nodes interpolated."""
+
+    name = "finer mesh"
+
+    def __init__(self, history: History, other: History):
+        """other: the history whose entries this is asked about; the two have the same increments."""
+        self.history = history
+        self._counterpart = {id(theirs): mine for mine, theirs in zip(history.entries, other.entries, strict=True)}
+
+    def _at(self, entry: Entry) -> Entry:
+        return self._counterpart[id(entry)]
+
+    def _interpolated(self, entry, x, values):
+        return np.interp(x, self._at(entry).surface.x, values)
+
+    def pressure(self, entry, x):
+        """p."""
+        return self._interpolated(entry, x, self._at(entry).surface.pressure)
+
+    def traction(self, entry, x):
+        """q."""
+        return self._interpolated(entry, x, self._at(entry).surface.traction)
+
+    def slip(self, entry, x):
+        """Slip."""
+        return self._interpolated(entry, x, self._at(entry).slip)
+
+    def contact(self, entry):
+        """Edges of the contact."""
+        return self._at(entry).contact
+
+    def stick_half_width(self, entry):
+        """c."""
+        return self._at(entry).c
+
+    def dissipated_energy(self):
+        """As in the history."""
+        return self.history.dissipated_energy
+
+
+def expectation(scene: Scene) -> str:
+    """What ``solver.accuracy`` chose and what is expected of it, in words."""
+    choice = accuracy.choose(scene["solver.accuracy"], scene.k, scene.values.get("load.amplitude", 0.9))
+    sizes = f"facets of {choice.mesh['mesh.facet']:g} a, degree {choice.mesh['mesh.degree']}"
+    if scene.has_closed_form:
+        return f"accuracy {scene['solver.accuracy']:g}: {sizes}; expected error {choice.error:.1e}"
+    return (
+        f"accuracy {scene['solver.accuracy']:g}: {sizes}; no closed form: the error will be estimated on a second mesh"
+    )
+
+
+def coarser(comm, scene: Scene) -> tuple[Simulation, float]:
+    """The same scene on a coarser mesh of the family, not yet run, and what its errors are over those of the
+    scene's mesh.
+    """
+    choice = accuracy.choose(scene["solver.accuracy"], scene.k, scene.values.get("load.amplitude", 0.9))
+    levels = accuracy.expected(scene.k, scene.values.get("load.amplitude", 0.9))
+    other = min(levels, key=lambda level: abs(np.log(level.fineness / (COARSER * choice.fineness))))
+    if other.fineness <= choice.fineness:  # already the coarsest: a finer one tells as much
+        other = min(levels, key=lambda level: abs(np.log(level.fineness * COARSER / choice.fineness)))
+    values = {key: value for key, value in scene.values.items() if key != "solver.accuracy"} | other.mesh
+    return Simulation(comm, resolve(values)), other.error / choice.error
+
+
+def estimated(simulation: Simulation, other: Simulation, ratio: float) -> dict[str, float]:
+    """Errors of ``simulation`` by quantity, estimated from how far ``other`` is off it.
+
+    The difference is the coarser mesh's error; it is divided by the ``ratio`` that the errors of both meshes have
+    where there are closed forms, and multiplied by the margin of the table.
+    """
+    found = compare(other.history, Solved(simulation.history, other.history))
+    return {name: accuracy.MARGIN * abs(value) / max(ratio, 1.0) for name, value in found.items() if np.isfinite(value)}

@@ -1,0 +1,21 @@
+"""What a scene will simulate, before anything is solved."""
+
+from ..fem.contact_problem import X, Y
+from .simulation import Simulation
+
+TERMS = {X: "tangential traction", Y: "contact pressure"}
+
+
+def explain(simulation: Simulation) -> str:
+    """The effects with their reasons and what is left out, then the sizes of the problem."""
+    body, solver = simulation.body, simulation.scene["solver.method"]
+    problems = [simulation.solver.normal, simulation.solver.frictional]
+    lines = [str(simulation.effects), f"{'unknowns':26s} {body.unknowns}"]
+    for stage, problem in zip(("normal stage", "tangential stage"), problems):
+        if problem is not None:
+            unknown = " and ".join(TERMS[i] for i in problem.directions)
+            lines.append(f"{stage:26s} {unknown}, {len(problem.directions)} rigid displacement(s), {solver} Newton")
+    edges = ", ".join(f"{edge:.4g}" for edge in simulation.cells.edges if edge > 0)
+    lines.append(f"{'surface nodes':26s} {simulation.sampler.x.size}, graded to x/a = ±{edges}")
+    lines.append(f"{'increments':26s} {len(simulation.programme)}")
+    return "\n".join(lines)

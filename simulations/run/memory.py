@@ -1,0 +1,52 @@
+"""What the next load step depends on, gathered on rank 0 as arrays that fit any number of ranks, and put back."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..fem.body import Y
+from ..fem.numbering import Numbering
+
+if TYPE_CHECKING:
+    from ..loading.stepping import LoadProgramme
+
+
+def save(solver: LoadProgramme, numbering: Numbering) -> dict[str, np.ndarray] | None:
+    """Everything that the next increment depends on, by name, on rank 0; None on the others."""
+    body, problem = solver.body, solver.problem
+    memory = {"delta": body.delta.value.copy(), "forces": solver.system.last_forces()}
+    memory["state"] = numbering.gather(body.state.x.array)
+    if problem.friction:
+        memory["anchor"] = numbering.gather_points(problem.anchor.x.array)
+        memory["at rest"] = numbering.gather_points(problem.at_rest.x.array)
+    if problem is not solver.normal and Y not in problem.directions:
+        state, pressure, forces = problem.held()
+        at_nodes = np.zeros_like(state.x.array)
+        at_nodes[body.dofs[: body.owned_nodes, Y]] = forces
+        memory["held state"] = numbering.gather(state.x.array)
+        memory["held pressure"] = numbering.gather_points(pressure.x.array)
+        memory["held forces"] = numbering.gather(at_nodes)
+        memory["normal forces"] = solver.normal_system.last_forces()
+    return memory if body.mesh.comm.rank == 0 else None
+
+
+def restore(memory: dict[str, np.ndarray], solver: LoadProgramme, numbering: Numbering):
+    """Put back ``save``'s memory, which every rank has, for the stage that ``solver`` stands at."""
+    body, problem = solver.body, solver.problem
+    body.delta.value[:] = memory["delta"]
+    if problem.friction:
+        numbering.scatter_points(memory["anchor"], problem.anchor.x.array)
+        numbering.scatter_points(memory["at rest"], problem.at_rest.x.array)
+    if problem is not solver.normal and Y not in problem.directions:
+        state, pressure, _ = problem.held()
+        at_nodes = np.zeros_like(state.x.array)
+        numbering.scatter(memory["held forces"], at_nodes)
+        problem.held_forces = at_nodes[body.dofs[: body.owned_nodes, Y]]
+        numbering.scatter_points(memory["held pressure"], pressure.x.array)
+        numbering.scatter(memory["held state"], state.x.array)
+        body.state.x.array[:] = state.x.array
+        solver.normal_system.take_up(memory["normal forces"])
+    numbering.scatter(memory["state"], body.state.x.array)
+    solver.system.take_up(memory["forces"])

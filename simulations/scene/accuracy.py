@@ -1,0 +1,109 @@
+"""Accuracy by one number: cell sizes from one family, whose errors were measured (``accuracy.csv``, by
+``simulations.studies.cost``).
+
+The family has one parameter, the fineness t: facets under the cylinder are 0.025 t half-widths, all else follows. Its
+errors are the largest of those of p, q and slip (L2 over the contact, at +Q_A), a, c and the energy of a cycle.
+"""
+
+import csv
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+from .language import SceneError
+
+TABLE = Path(__file__).with_name("accuracy.csv")
+MARGIN = 1.5  # loads and gradings between those measured; a and c are read between nodes, where errors change sign
+
+
+@dataclass(frozen=True)
+class Measured:
+    """One line of the table: the largest error at grading ``k`` and fineness, and CPU seconds of a loop of 31
+    increments.
+    """
+
+    k: float
+    fineness: float
+    error: float
+    seconds: float
+
+
+@dataclass(frozen=True)
+class Choice:
+    """Cell sizes for an accuracy, and what is expected of them: the largest error and the CPU seconds of a loop."""
+
+    fineness: float
+    mesh: dict[str, float]
+    error: float
+    seconds: float
+
+
+def family(fineness: float, k: float) -> dict[str, float]:
+    """Keys of the scene at a fineness t. For k <= 0 layers and edge facets are refined alike: the edge is sharp
+    both ways.
+    """
+    t = fineness
+    edge = min(1e-3 * t**2, 0.02)
+    if k < 0:
+        edge = max(edge / 4.0, 2.5e-4)  # thinner layers of a modulus without bound, and Newton's method cycles
+    sizes = {
+        "facet": min(0.025 * t, 0.2),
+        "edge_facet": edge,
+        "growth": min(1.3**t, 2.0),
+        "first_layer": edge if k <= 0 else 1e-3 * t,
+        "layer_growth": 2.0 if t > 2.5 else 1.6 if t > 0.8 else 1.4,
+        "extent": 20.0 if t > 0.6 else 30.0,
+    }
+    steep = {}
+    if k < 0:  # gamma0 for the same reason; steep ends are off by three to six times as much elsewhere in the facet
+        steep = {"solver.gamma0": 3.0, "mesh.edge_at": 0.5}
+    return {"mesh.degree": 3} | steep | {f"mesh.{name}": float(f"{value:.4g}") for name, value in sizes.items()}
+
+
+@cache
+def table(path: Path = TABLE) -> tuple[Measured, ...]:
+    """The measured lines."""
+    with path.open(encoding="utf-8") as file:
+        return tuple(Measured(**{name: float(value) for name, value in row.items()}) for row in csv.DictReader(file))
+
+
+def choose(accuracy: float, k: float, amplitude: float = 0.9) -> Choice:
+    """The coarsest mesh whose error, with a margin, is ``accuracy``; SceneError with the best there is where none
+    is.
+    """
+    levels = expected(k, amplitude)
+    enough = [choice for choice in levels if choice.error <= accuracy]
+    if enough:
+        return max(enough, key=lambda choice: choice.fineness)
+    if not levels:
+        low, high = min(m.k for m in table()), max(m.k for m in table())
+        reason = f"k = {k:g} lies outside {low:g} ... {high:g}, where errors were measured"
+        raise SceneError(f"solver.accuracy = {accuracy:g} is not allowed: {reason}")
+    best = min(levels, key=lambda choice: choice.error)
+    raise SceneError(
+        f"solver.accuracy = {accuracy:g} is not allowed: the best measured for k = {k:g} is {best.error:.1e}"
+        f" (about {best.seconds:.0f} s)"
+    )
+
+
+def expected(k: float, amplitude: float = 0.9) -> list[Choice]:
+    """What every fineness reaches at ``k``, the finest first: the worse of the two gradings measured next to it,
+    with the margin.
+    """
+    gradings = sorted({m.k for m in table()})
+    if not gradings or not gradings[0] <= k <= gradings[-1]:
+        return []
+    below, above = max(g for g in gradings if g <= k), min(g for g in gradings if g >= k)
+    if below < 0 <= k:  # another family: its lines say nothing here
+        below = 0.0
+    if k < 0 <= above:
+        above = max(g for g in gradings if g < 0)
+    margin = MARGIN * max(1.0, (0.5 / amplitude) ** 3, 0.1 / (1.0 - amplitude))  # measured at 0.5 and 0.9; W ~ Q_A^3
+    choices: list[Choice] = []
+    worst = 0.0
+    for t in sorted({m.fineness for m in table()}):
+        lines = [m for m in table() if m.fineness == t and m.k in (below, above)]
+        if {m.k for m in lines} == {below, above}:
+            worst = max(worst, *(m.error for m in lines))  # a coarser mesh that happens to be better is luck
+            choices.append(Choice(t, family(t, k), margin * worst, max(m.seconds for m in lines)))
+    return choices

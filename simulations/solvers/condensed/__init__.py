@@ -1,0 +1,1 @@
+"""The condensed Newton step: the elastic body reduced to the compliance of its surface."""

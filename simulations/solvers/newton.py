@@ -1,0 +1,278 @@
+"""Newton's method for a contact problem: PETSc SNES around one of two ways to solve a step.
+
+``full.FullSystem`` has every displacement as unknown, ``condensed.CondensedSystem`` the contact forces alone. Both
+carry the rigid displacements of the cylinder and linearise the same forms. Options are open on the command
+line under the prefix ``fretting_``, those of the bulk factorisation under ``fretting_bulk_``.
+"""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from mpi4py import MPI
+from petsc4py import PETSc
+
+from ..fem.contact_problem import ContactProblem
+
+SNES_OPTIONS = {
+    "snes_type": "newtonls",
+    "snes_linesearch_type": "basic",  # full steps: the semismooth method ends after finitely many
+    "snes_max_it": 60,
+    "ksp_type": "preonly",
+}
+BULK_OPTIONS = {
+    "ksp_type": "preonly",
+    "pc_factor_mat_solver_type": "mumps",
+    "mat_mumps_icntl_7": 6,  # QAMD ordering: beats the automatic choice on graded meshes
+    "mat_mumps_icntl_14": 60,  # working space, per cent
+}
+BULK_PREFIX = "fretting_bulk_"
+FORCE_TOLERANCE = 1e-9  # force residual / P, where round-off lets it get there
+ROUND_OFF = 4.0  # residuals are balanced this many times above the last digits' own, measured for k from -0.9 to 0
+LOAD_TOLERANCE = 1e-9  # load imbalance / P
+SETTLED = 1e-11  # force residual / P above which a balanced state gets one more step: what is left of a long first one
+ROUNDS = 3  # the same change of contact states as often as this is a cycle (twice may be luck near a singular tangent)
+STEP_TOLERANCE = 1e-11  # a step this small (relative) ends the iteration if round-off holds the residual up ...
+ATTAINABLE = 1e-6  # ... below this
+
+
+@dataclass(frozen=True)
+class NewtonResult:
+    """How a solve ended: iterations, relative force residual and load imbalance, and a reason if it failed."""
+
+    converged: bool
+    iterations: int
+    residual: float
+    imbalance: float
+    reason: str
+    tolerance: float = FORCE_TOLERANCE  # of the residual: the attainable one where that is larger
+    changes: tuple[int, ...] = ()  # points whose contact state (open, stick, slip) changed, iteration by iteration
+
+
+class System(Protocol):
+    """A linearisable system whose unknowns are a PETSc vector."""
+
+    def create_vector(self) -> PETSc.Vec:
+        """A vector of the unknowns."""
+
+    def begin(self, load, x: PETSc.Vec):
+        """Prescribe the line loads ``(Q, P)`` and fill ``x`` with the present state."""
+
+    def residual(self, x: PETSc.Vec, f: PETSc.Vec) -> tuple[float, float]:
+        """Fill ``f``; return the norm of the force residual and the largest load imbalance."""
+
+    def linearise(self, x: PETSc.Vec):
+        """Prepare ``solve`` at ``x``."""
+
+    def solve(self, b: PETSc.Vec, x: PETSc.Vec):
+        """x = J^-1 b; nan where J is singular."""
+
+    def multiply(self, x: PETSc.Vec, y: PETSc.Vec):
+        """y = J x."""
+
+    def finish(self, x: PETSc.Vec):
+        """Leave the state ``x`` in the problem's fields."""
+
+    def last_forces(self) -> np.ndarray:
+        """Contact forces that ``finish`` left, beyond what the fields hold; empty where they hold all."""
+
+    def take_up(self, forces: np.ndarray):
+        """Go on from fields that an earlier run's ``finish`` left with these forces."""
+
+    @property
+    def problem(self) -> ContactProblem:
+        """The contact problem behind the system."""
+
+
+def with_defaults(prefix: str, defaults: dict, configure):
+    """Call ``configure`` (a setFromOptions) with ``defaults`` under ``prefix``, which the user's options override."""
+    options = PETSc.Options()
+    missing = {prefix + name: value for name, value in defaults.items() if prefix + name not in options}
+    for name, value in missing.items():
+        options[name] = value
+    configure()
+    for name in missing:
+        del options[name]
+
+
+def bulk_solver(matrix: PETSc.Mat, factorisation: str, changes=None, prepare=None) -> PETSc.KSP:
+    """Direct solver of the body, ``factorisation`` "lu" or "cholesky", factorised; options under ``fretting_bulk_``.
+
+    changes: to BULK_OPTIONS; prepare: function of the preconditioner, called before it is factorised.
+    """
+    ksp = PETSc.KSP().create(matrix.comm)
+    ksp.setOptionsPrefix(BULK_PREFIX)
+    ksp.setOperators(matrix)
+
+    def set_up():
+        ksp.setFromOptions()
+        if prepare is not None:
+            prepare(ksp.pc)
+        ksp.setUp()  # MUMPS reads its options here
+
+    with_defaults(BULK_PREFIX, BULK_OPTIONS | {"pc_type": factorisation} | (changes or {}), set_up)
+    return ksp
+
+
+class _Operator:
+    """Python context through which PETSc multiplies by the system's Jacobian (mult) or its inverse (apply)."""
+
+    def __init__(self, system: System):
+        self.system = system
+
+    def mult(self, matrix, x, y):
+        self.system.multiply(x, y)
+
+    def apply(self, pc, b, x):
+        self.system.solve(b, x)
+
+
+class Newton:
+    """Solves a System for given line loads, from its present state."""
+
+    def __init__(self, system: System, comm, prefix: str = "fretting_"):
+        self.system = system
+        self.x, self._f = system.create_vector(), system.create_vector()
+        shape = (self.x.getLocalSize(), None)
+        jacobian = PETSc.Mat().createPython((shape, shape), _Operator(system), comm)
+        jacobian.setUp()
+        self.snes = PETSc.SNES().create(comm)
+        self.snes.setOptionsPrefix(prefix)
+        self.snes.setFunction(self._residual, self._f)
+        self.snes.setJacobian(self._linearise, jacobian)
+        self.snes.setConvergenceTest(self._test)
+        self.snes.ksp.pc.setType(PETSc.PC.Type.PYTHON)
+        self.snes.ksp.pc.setPythonContext(_Operator(system))
+        with_defaults(prefix, SNES_OPTIONS, self.snes.setFromOptions)
+        self._polished = False
+        self._last_force = np.inf
+        self._scale, self._norms, self._tolerance = 1.0, (np.inf, np.inf), FORCE_TOLERANCE
+        self._states = None
+        self._changes: list[int] = []
+        self._seen: dict[bytes, int] = {}
+        self.after_linearise = lambda: None  # called with the fields at the iterate
+        self.after_residual = lambda: False  # likewise; True where it changed the problem, whose residual is renewed
+
+    def solve(self, load, predict=None, confirm=False) -> NewtonResult:
+        """Balance the line loads ``(Q, P)``, P > 0.
+
+        predict: a Constant that is 1 during one preliminary step (the all-stick predictor), or None; confirm: one more
+        iteration after the last, to see whether contact states still change.
+        """
+        self._polished = False
+        self._begin(load)
+        if predict is not None:
+            predict.value = 1.0
+            self._step()
+            predict.value = 0.0
+        self._states, self._changes, self._seen = None, [], {}
+        self.snes.solve(None, self.x)
+        code = self.snes.getConvergedReason()
+        if code > 0 and confirm:
+            kept = self.x.copy()
+            self._step()
+            self._residual(self.snes, self.x, self._f)
+            if np.all(np.isfinite(self._norms)):  # nan where every point slides at the solution
+                self._count_changes()
+            kept.copy(self.x)
+            self._residual(self.snes, self.x, self._f)
+        self.system.finish(self.x)
+        return NewtonResult(
+            converged=code > 0 and max(self._norms) <= 10 * ATTAINABLE,  # whatever rule of PETSc's ended it
+            iterations=self.snes.getIterationNumber() + (predict is not None),
+            residual=self._norms[0],
+            imbalance=self._norms[1],
+            reason=self._reason(code),
+            tolerance=self._tolerance,
+            changes=tuple(self._changes),
+        )
+
+    def balance(self, load) -> NewtonResult:
+        """Whether the present state already balances the loads, by the same measure; nothing is moved."""
+        self._begin(load)
+        self._residual(self.snes, self.x, self._f)
+        balanced = self._balanced()
+        reason = "" if balanced else "the fixed point has not settled"
+        return NewtonResult(balanced, 0, *self._norms, reason, self._tolerance)
+
+    def _begin(self, load):
+        self._scale = abs(load[1])
+        self.system.begin(load, self.x)
+        attainable = ROUND_OFF * self.system.problem.round_off() / self._scale
+        self._tolerance = min(max(FORCE_TOLERANCE, attainable), ATTAINABLE)
+
+    def _balanced(self):
+        force, imbalance = self._norms
+        return force <= self._tolerance and imbalance <= max(LOAD_TOLERANCE, self._tolerance)
+
+    def _step(self):
+        step = self.x.duplicate()
+        self._residual(self.snes, self.x, self._f)
+        self.system.linearise(self.x)
+        self.system.solve(self._f, step)
+        self.x.axpy(-1.0, step)
+
+    def _residual(self, snes, x, f):
+        force, imbalance = self.system.residual(x, f)
+        if self.after_residual():
+            force, imbalance = self.system.residual(x, f)
+        self._norms = (force / self._scale, imbalance / self._scale)
+
+    def _linearise(self, snes, x, jacobian, preconditioner):
+        self.system.linearise(x)
+        jacobian.assemble()
+        self.after_linearise()
+
+    def _count_changes(self) -> bool:
+        """Count the contact states that changed; True where they did the same ROUNDS times, and so will do again."""
+        states, before = self.system.problem.contact_states().astype(np.int8), self._states
+        self._states = states
+        if before is None:
+            return False
+        comm = self.snes.comm.tompi4py()
+        step = before.tobytes() + states.tobytes()
+        self._seen[step] = self._seen.get(step, 0) + 1
+        changed = comm.allreduce(int(np.count_nonzero(states != before)))
+        rounds = comm.allreduce(self._seen[step], MPI.MIN)
+        self._changes.append(changed)
+        return changed > 0 and rounds == ROUNDS
+
+    def _reason(self, code):
+        if code > 0:
+            return ""
+        if code == PETSc.SNES.ConvergedReason.DIVERGED_INNER:
+            return f"Newton cycles: {self._changes[-1]} contact states keep changing"
+        return _REASONS.get(code, f"SNES reason {code}")
+
+    def _test(self, snes, iteration, norms):
+        before = self._last_force
+        self._last_force = self._norms[0]
+        cycles = self._count_changes()
+        force, imbalance = self._norms
+        reason = PETSc.SNES.ConvergedReason
+        if not np.isfinite(norms[2]):
+            return reason.DIVERGED_FNORM_NAN
+        last = iteration >= snes.getTolerances()[3]
+        if self._balanced():
+            if force <= SETTLED or iteration == 0 or last or self._polished:
+                return reason.CONVERGED_FNORM_ABS
+            self._polished = True
+            return reason.CONVERGED_ITERATING
+        small_step = iteration > 0 and norms[1] <= STEP_TOLERANCE * norms[0]
+        # With the contact states at rest the problem is linear and one step ends it: what is left is round-off.
+        at_rest = self._changes[-2:] == [0, 0] and force > before / 10
+        if cycles:
+            return reason.DIVERGED_INNER
+        if (small_step or at_rest) and force <= ATTAINABLE and imbalance <= 10 * LOAD_TOLERANCE:
+            return reason.CONVERGED_SNORM_RELATIVE
+        if last:
+            return reason.DIVERGED_MAX_IT
+        return reason.CONVERGED_ITERATING
+
+
+_REASONS = {
+    PETSc.SNES.ConvergedReason.DIVERGED_FNORM_NAN: "the residual is not a number (singular tangent)",
+    PETSc.SNES.ConvergedReason.DIVERGED_MAX_IT: "too many iterations",
+    PETSc.SNES.ConvergedReason.DIVERGED_LINEAR_SOLVE: "the linear solve failed",
+    PETSc.SNES.ConvergedReason.DIVERGED_LINE_SEARCH: "the line search failed",
+}

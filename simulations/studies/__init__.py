@@ -1,0 +1,1 @@
+"""What uses many runs: cost, stability, ablation, figures, claims, maps, coupling. Each is  python -m simulations.studies.NAME."""

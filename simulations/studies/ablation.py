@@ -1,0 +1,153 @@
+"""Every effect on and off on one mesh density: what it costs and what it changes:  python -m simulations.studies.ablation.
+
+Writes ablation.csv and ablation.md. Seconds are processor seconds of one rank after compilation, the least of several
+runs; they are comparable within one table only.
+"""
+
+import argparse
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from mpi4py import MPI
+
+from ..command.command import run, say
+from ..output.files import write_table, write_text
+from ..run.comparison import relative_l2
+from ..run.simulation import Simulation
+from ..scene.language import SceneError
+from ..scene.scene import DEFAULT_SCENE, parse
+
+REPEATS = 3
+LOOP = ("solid.k=0.3", "solid.nu=0.3")
+PRESSED = ("effects.friction=false",)
+
+
+@dataclass(frozen=True)
+class Case:
+    """An effect with the overrides of the default scene that switch it on and off, and how far both are run."""
+
+    effect: str
+    on: tuple[str, ...]
+    off: tuple[str, ...]
+    increments: int | None = None
+
+
+CASES = (
+    Case(
+        "grading, k = 0.3",
+        ("effects.coupling=false", *LOOP),
+        ("effects.coupling=false", "effects.grading=false", *LOOP),
+    ),
+    Case(
+        "friction, normal stage (off: half of the body)",
+        ("effects.friction_in_normal_stage=true", "solver.normal_increments=1", *LOOP),
+        (*PRESSED, *LOOP),
+        1,
+    ),
+    Case("both halves, no friction", ("effects.symmetry=false", *PRESSED, *LOOP), (*PRESSED, *LOOP)),
+    Case("coupling", LOOP, ("effects.coupling=false", *LOOP)),
+    Case("coupling at the Holl ratio", (), ("effects.coupling=false",)),
+    Case("friction in normal stage", ("effects.friction_in_normal_stage=true", *LOOP), LOOP),
+    Case("mixed form, ν = 0.46", *(("solid.nu=0.46", f"effects.incompressibility={on}") for on in ("true", "false"))),
+    Case("cycle (off: stop at +Q_A)", LOOP, ("load.cycles=0", *LOOP)),
+    Case("circle (off: parabola)", ("indenter.profile=circle",), ()),
+    Case(
+        "coating 2 a0 thick (off: power law)",
+        ('solid.modulus="power-law coating"', "solid.thickness_over_a0=2", "solid.nu=0.3"),
+        LOOP,
+    ),
+)
+COLUMNS = ("effect", "switch", "unknowns", "increments", "seconds", "seconds_per_increment", "energy")
+HEAD = """\
+# What each effect costs and changes
+
+`python -m simulations.studies.ablation` on the default mesh density, facets a/40. Seconds are processor seconds an increment,
+mesh, assembly and condensation shared out, without compilation; *ratio* is on over off. *Change* is what switching
+the effect off does to the last state's pressure and traction (relative L2) and to the dissipated energy.
+
+| effect | unknowns on / off | s per increment on / off | ratio | change in p | in q | in energy |
+|---|---|---|---|---|---|---|
+"""
+
+
+def solve(overrides: tuple[str, ...], increments: int | None, repeats: int):
+    """The finished simulation (of the first ``increments``, None: all) and its least processor seconds."""
+    least = np.inf
+    for _ in range(repeats):
+        start = time.process_time()
+        simulation = Simulation(MPI.COMM_SELF, scene_with(overrides))
+        for number, _ in enumerate(simulation.run(), start=1):
+            if number == increments:
+                break
+        least = min(least, time.process_time() - start)
+    return simulation, least
+
+
+def scene_with(overrides):
+    """The default scene changed; without friction it has no tangential load."""
+    text = DEFAULT_SCENE
+    if "effects.friction=false" in overrides:
+        text = "".join(line for line in text.splitlines(True) if not line.startswith(("mu", "amplitude", "cycles")))
+    return parse(text, overrides)
+
+
+def change(on: Simulation, off: Simulation) -> dict[str, float]:
+    """Relative L2 of p and q, and of the energy, from ``on`` to ``off``; nan where one has none."""
+    mine, theirs = on.history.entries[-1].surface, off.history.entries[-1].surface
+    units, others = on.scaled.scales, off.scaled.scales
+    x = mine.x * units.length
+    found = {}
+    for name in ("pressure", "traction"):
+        values = getattr(mine, name) * units.stress
+        other = np.interp(x, theirs.x * others.length, getattr(theirs, name) * others.stress)
+        found[name] = relative_l2(mine.weight, other, values)
+    energy = on.history.dissipated_energy * units.energy
+    found["energy"] = off.history.dissipated_energy * others.energy / energy - 1 if energy > 0 else np.nan
+    return found
+
+
+def study(repeats: int, cases=CASES) -> tuple[list[dict], str]:
+    """Rows of the CSV and lines of the table, case by case."""
+    rows, lines = [], ""
+    for case in cases:
+        runs = {}
+        for switch, overrides in (("on", case.on), ("off", case.off)):
+            simulation, seconds = runs[switch] = solve(overrides, case.increments, repeats)
+            n = len(simulation.history.entries)
+            energy = simulation.history.dissipated_energy * simulation.scaled.scales.energy
+            values = (case.effect, switch, simulation.body.unknowns, n, seconds, seconds / n, energy)
+            rows.append(dict(zip(COLUMNS, values)))
+        on, off = rows[-2:]
+        delta = change(runs["on"][0], runs["off"][0])
+        ratio = on["seconds_per_increment"] / off["seconds_per_increment"]
+        lines += f"| {case.effect} | {on['unknowns']} / {off['unknowns']} "
+        lines += f"| {on['seconds_per_increment']:.2f} / {off['seconds_per_increment']:.2f} | {ratio:.2f} "
+        lines += "".join(f"| {'–' if np.isnan(value) else f'{value:.1e}'} " for value in delta.values()) + "|\n"
+        say(lines.splitlines()[-1])
+    return rows, lines
+
+
+def main(arguments: list[str]):
+    """Run the study and write its two files; more ranks than one have nothing to do."""
+    parser = argparse.ArgumentParser(prog="python -m simulations.studies.ablation", description=__doc__)
+    parser.add_argument("--output", type=Path, default=Path("results/ablation"), metavar="DIR")
+    parser.add_argument("--repeats", type=int, default=REPEATS, help="runs of which the quickest counts")
+    given = parser.parse_args(arguments)
+    if given.repeats < 1:
+        raise SceneError(f"--repeats {given.repeats} is not allowed: an integer in [1, inf[")
+    if MPI.COMM_WORLD.rank > 0:
+        return
+    given.output.mkdir(parents=True, exist_ok=True)
+    for case in CASES:  # compile
+        for overrides in (case.on, case.off):
+            Simulation(MPI.COMM_SELF, scene_with(overrides))
+    rows, lines = study(given.repeats)
+    write_table(given.output / "ablation.csv", rows)
+    write_text(given.output / "ablation.md", HEAD + lines)
+    say(f"written to {given.output}: ablation.csv, ablation.md")
+
+
+if __name__ == "__main__":
+    run(main)

@@ -1,0 +1,1 @@
+"""Parts of the study of cost: its cases, one measured case, its plots, and GetFEM as peer."""

@@ -1,0 +1,177 @@
+"""How much the coupling of normal and tangential contact changes a fretting loop, over k, ν and μ.
+
+    mpirun -n 2 python -m simulations.studies.coupling [--output DIR] [--values K NU]
+
+Every loop is computed by the mesh-free half-plane solver, with coupling and without: frictionless pressing, then
+Q_A = 0.9 μP. Loops are shared out over the ranks; a run that was interrupted goes on where its table ends.
+"""
+
+import argparse
+import csv
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+from analytic.half_plane.linear import ContactNotConverged
+from mpi4py import MPI
+from scipy.interpolate import RectBivariateSpline
+
+from analytic import GradedHalfPlane, HalfPlaneContact, PowerLawKernel, PowerProfile
+
+from ..command.command import on_root, run, say
+
+FRICTION, AMPLITUDE = (0.1, 0.3, 0.6), 0.9
+K, NU = (-0.5, 0.7), (0.0, 0.5)
+HALF, NODES = 4, 80  # increments a half cycle, and at each of them
+COLUMNS = ("k", "nu", "mu", "pressure", "traction", "slip", "energy")
+SHOWN = dict(zip(COLUMNS[3:], ("pressure", "traction", r"slip between $\pm Q_A$", "energy per cycle")))
+ORDER = {"pressure": 1, "traction": 1, "slip": 2, "energy": 2}  # with which they vanish with the coupling
+NOISE = 0.002  # power of the coupling below which the loops' own error rules their difference
+LEVELS = (0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0)  # per cent
+
+
+def main(arguments: list[str]):
+    """Fill the table, then draw it."""
+    request = on_root(lambda: _request(arguments))
+    table = request.output / "coupling.csv"
+    k, nu = (np.linspace(*ends, count) for ends, count in zip((K, NU), request.values, strict=True))
+    request.output.mkdir(parents=True, exist_ok=True)
+    grid = [(a, b, mu) for mu in FRICTION for a in k for b in nu]
+    done = on_root(lambda: _read(table))
+    _fill(table, [point for point in grid if _key(point) not in done])
+    on_root(lambda: _draw(request.output, _read(table), k, nu))
+    say(f"figure and table in {request.output}")
+
+
+def _request(arguments):
+    parser = argparse.ArgumentParser(prog="python -m simulations.studies.coupling", description=__doc__.splitlines()[0])
+    parser.add_argument("--output", type=Path, default=Path("results/coupling"), help="folder for table and figure")
+    parser.add_argument("--values", type=int, nargs=2, default=(13, 6), help="of k and of nu (default 13 6)")
+    return parser.parse_args(arguments)
+
+
+def changes(k: float, nu: float, mu: float) -> dict[str, float]:
+    """Relative changes by coupling, after one cycle: L2 of p and q at +Q_A, and of the way slipped between ±Q_A."""
+    turn = np.linspace(1, -1, HALF + 1)
+    share = [0, 0.25, 0.5, 0.75, *turn, *turn[::-1][1:]]
+    solid, loads = GradedHalfPlane(1.0, nu, k, 1.0), [(1.0, AMPLITUDE * mu * s) for s in share]
+    coupled, alone = (
+        HalfPlaneContact(solid, PowerProfile(0.5, 2.0), mu, coupling=coupling, nodes=NODES).run(loads)
+        for coupling in (True, False)
+    )
+    ends = np.array([s.contact for states in (coupled, alone) for s in (states[-1], states[-1 - HALF])])
+
+    def common(x):
+        return (x > ends[:, 0].max()) & (x < ends[:, 1].min())
+
+    edges = [edge for states in (coupled, alone) for edge in states[-1].contact]
+    x = np.mean([min(edges), max(edges)]) + (max(edges) - min(edges)) / 2 * np.sin(np.linspace(-1, 1, 4001) * np.pi / 2)
+    result = {}
+    for name, field in FIELDS.items():
+        with_coupling, without = (field(x, states) for states in (coupled, alone))
+        if name == "slip":  # where there is contact with and without coupling, at both ends of the way
+            with_coupling, without = (np.where(common(x), way, 0.0) for way in (with_coupling, without))
+        square = np.trapezoid([(with_coupling - without) ** 2, without**2], x)
+        result[name] = float(np.sqrt(square[0] / square[1]))
+    cycle = [states[-1].dissipated_energy - states[-1 - 2 * HALF].dissipated_energy for states in (coupled, alone)]
+    return result | {"energy": cycle[0] / cycle[1] - 1}
+
+
+def _at(x, state, values):
+    """Values at x, zero outside the contact."""
+    inside = (x > state.contact[0]) & (x < state.contact[1])
+    return np.where(inside, np.interp(x, state.x, values), 0.0)
+
+
+def _way(x, states):
+    return np.interp(x, states[-1].x, states[-1].slip) - np.interp(x, states[-1 - HALF].x, states[-1 - HALF].slip)
+
+
+FIELDS = {
+    "pressure": lambda x, states: _at(x, states[-1], states[-1].pressure),
+    "traction": lambda x, states: _at(x, states[-1], states[-1].traction),
+    "slip": _way,
+}
+
+
+def _key(point):
+    return tuple(round(float(value), 6) for value in point)
+
+
+def _read(table):
+    if not table.exists():
+        return {}
+    with table.open(newline="") as file:
+        rows = [{name: float(row[name]) for name in COLUMNS} for row in csv.DictReader(file) if row["energy"]]
+    return {_key((row["k"], row["nu"], row["mu"])): row for row in rows}
+
+
+def _fill(table, points):
+    """Append a row a point; rank 0 writes, after every round of all ranks."""
+    comm = MPI.COMM_WORLD
+    if comm.rank == 0 and not table.exists():
+        table.write_text(",".join(COLUMNS) + "\n")
+    for first in range(0, len(points), comm.size):
+        mine = points[first : first + comm.size][comm.rank : comm.rank + 1]
+        rows = comm.gather([_row(*point) for point in mine])
+        if comm.rank == 0:
+            with table.open("a", newline="") as file:
+                csv.writer(file).writerows(row for rank in rows for row in rank)
+        say(f"\r{min(first + comm.size, len(points))} of {len(points)} loops", end="")
+    say("")
+
+
+def _row(k, nu, mu):
+    try:
+        values = changes(k, nu, mu)
+    except ContactNotConverged:
+        values = dict.fromkeys(SHOWN, np.nan)
+    return [*_key((k, nu, mu)), *(f"{values[name]:.6g}" for name in SHOWN)]
+
+
+def _interpolated(rows, name, mu, k, nu, fine_k, fine_nu):
+    """|change| in per cent on a finer grid: smooth over a power of the coupling, which is zero at the Holl ratio."""
+
+    def strength(a, b):
+        solid = GradedHalfPlane(1.0, b, a, 1.0)
+        return abs(PowerLawKernel(solid).d / solid.bk) ** ORDER[name]
+
+    ratio = np.array([[rows[_key((a, b, mu))][name] / (strength(a, b) or np.nan) for b in nu] for a in k])
+    ratio[np.array([[strength(a, b) for b in nu] for a in k]) < NOISE] = np.nan
+    for column in ratio.T:  # at the Holl ratio: between its neighbours
+        hole = np.isnan(column)
+        column[hole] = np.interp(k[hole], k[~hole], column[~hole])
+    smooth = RectBivariateSpline(k, nu, ratio, kx=1, ky=1)(fine_k, fine_nu)
+    return 100 * np.abs(smooth * [[strength(a, b) for b in fine_nu] for a in fine_k]).T
+
+
+def _draw(folder, rows, k, nu):
+    holl, fine_k, fine_nu = np.linspace(0, K[1], 101), np.linspace(*K, 121), np.linspace(*NU, 101)
+    with plt.rc_context({"font.size": 11}):
+        figure, axes = plt.subplots(
+            len(FRICTION), len(SHOWN), figsize=(13, 9), sharex=True, sharey=True, layout="constrained"
+        )
+        for line, mu in zip(axes, FRICTION, strict=True):
+            for axis, name in zip(line, SHOWN, strict=True):
+                share = _interpolated(rows, name, mu, k, nu, fine_k, fine_nu)
+                share = np.clip(share, 1.01 * LEVELS[0], 0.99 * LEVELS[-1])
+                filled = axis.contourf(fine_k, fine_nu, np.log10(share), levels=np.log10(LEVELS), cmap="cividis")
+                axis.contour(fine_k, fine_nu, np.log10(share), levels=[0.0], colors="white", linewidths=1.5)
+                axis.plot(holl, 1 / (2 + holl), color="#D55E00", lw=2, ls="--")
+                axis.set(xlim=K, ylim=NU)
+        for axis, name in zip(axes[0], SHOWN.values(), strict=True):
+            axis.set_title(f"change of {name}")
+        for axis, mu in zip(axes[:, 0], FRICTION, strict=True):
+            axis.set_ylabel(f"μ = {mu:g}\nPoisson's ratio ν [–]")
+        for axis in axes[-1]:
+            axis.set_xlabel("exponent k [–]")
+        bar = figure.colorbar(filled, ax=axes, ticks=np.log10(LEVELS), pad=0.02, aspect=40)
+        bar.ax.set_yticklabels([f"{level:g}" for level in LEVELS])
+        bar.set_label("relative change by coupling [%]   (white line: 1 %, dashed: ν = 1/(2+k))")
+        for suffix in ("png", "svg"):
+            figure.savefig(folder / f"coupling.{suffix}", dpi=130)
+        plt.close(figure)
+
+
+if __name__ == "__main__":
+    run(main)

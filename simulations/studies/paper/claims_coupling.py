@@ -1,0 +1,242 @@
+"""Sentences of Sections 4 and 5 on the cycle and on coupling: how large the difference to the closed forms is."""
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from analytic.half_plane.linear import ContactNotConverged
+
+from analytic import PowerProfile
+
+from ...run.comparison import relative_l2
+from ..loops import SimulatedLoop, simulate
+from .claim import Claim, minus_signs, verdict
+from .comparisons import COUPLED, DEPTH, HOLL, NEGATIVE, Pair, theory
+from .elements import Runs, closed_field
+from .setting import AMPLITUDE, MU, STATES, contact
+
+SMALL = 0.05  # relative difference up to which a field counts as agreeing well
+PARABOLA = PowerProfile(0.5, 2)  # f = x²/(2R) with R = 1
+STEPS = 2001  # of the load, for the integral over a cycle
+TABLE_K = (-0.5, -0.3, -0.1, 0.0, 0.3, 0.5)
+TABLE_NU = (0.0, 0.1, 0.2, 0.3, 0.4, 0.45, 0.495)
+SIMULATION = ((4, 100), (8, 150), (5, 120), (10, 200), (6, 200))  # increments per quarter, nodes: tried in this order
+
+
+@dataclass(frozen=True)
+class Difference:
+    """A coupled loop beside the closed forms: relative L2 of traction and slip at the first +Q_A; energy, signed.
+
+    shift: of the contact's middle, over its half-width.
+    """
+
+    k: float
+    nu: float
+    mu: float
+    traction: float
+    slip: float
+    energy: float
+    shift: float
+
+
+def simulated(k: float, nu: float, mu: float = MU, coupling: bool = True, cycles: int = 2) -> SimulatedLoop:
+    """Mesh-free loop of amplitude AMPLITUDE in units of a0, y0 = DEPTH."""
+    normal = contact(k, DEPTH, nu)
+    return simulate(normal.solid, PARABOLA, normal.P, mu, AMPLITUDE, coupling, cycles, attempts=SIMULATION)
+
+
+def difference(k: float, nu: float, mu: float = MU) -> Difference | None:
+    """None where the simulation does not converge."""
+    normal = contact(k, DEPTH, nu)
+    loop = normal.fretting(mu, z=1 - AMPLITUDE)
+    try:
+        run = simulated(k, nu, mu)
+    except ContactNotConverged:
+        return None
+    state = run.first_loading
+    under = np.abs(state.x) <= normal.a
+    closed, slip = loop.amplitude.traction(state.x), loop.amplitude.slip(state.x)
+    return Difference(
+        k,
+        nu,
+        mu,
+        traction=relative_l2(state.weight, state.traction, closed),
+        slip=relative_l2(state.weight[under], -state.slip[under], slip[under]),
+        energy=run.dissipated_energy / loop.dissipated_energy - 1,
+        shift=float(sum(state.contact) / (state.contact[1] - state.contact[0])),
+    )
+
+
+def differences(comm) -> list[Difference]:
+    """The table over k and nu, the loops shared out among the ranks."""
+    points = [(k, nu) for k in TABLE_K for nu in TABLE_NU]
+    mine = [difference(*point) for point in points[comm.rank :: comm.size]]
+    shares = comm.allgather(mine)
+    found = [shares[i % comm.size][i // comm.size] for i in range(len(points))]
+    return [one or Difference(k, nu, MU, *[float("nan")] * 4) for one, (k, nu) in zip(found, points, strict=True)]
+
+
+def difference_table(found: list[Difference]) -> str:
+    """Markdown: rows k, columns nu, each cell slip / traction / energy in per cent."""
+    text = "| k, ν | " + " | ".join(f"{nu:g}" for nu in TABLE_NU) + " |\n|---|" + "---|" * len(TABLE_NU) + "\n"
+    for k in TABLE_K:
+        cells = [
+            "–" if np.isnan(d.slip) else f"{d.slip:.1%} / {d.traction:.1%} / {d.energy:+.1%}" for d in found if d.k == k
+        ]
+        text += f"| {k:g} | " + " | ".join(cells) + " |\n"
+    return minus_signs(text.replace("%", ""))
+
+
+def cycle_claims() -> list[Claim]:
+    """What happens through the cycle, by the closed forms [X5] and the mesh-free solver."""
+    return [rectangle(), memory(), inward(), mirrored()]
+
+
+def rectangle() -> Claim:
+    """Work of q on the slip through the closed cycle [X5], summed up in small steps, against 4 q h_x."""
+    worst = 0.0
+    for pair in (NEGATIVE, HOLL):
+        normal, loop = theory(pair)
+        x = normal.a * np.linspace(0.0, 0.999, 200)[:, None]
+        Q = np.linspace(loop.Q_A, -loop.Q_A, STEPS)
+        q, h = loop.traction(x, Q, "unloading"), loop.slip(x, Q, "unloading")
+        half = np.sum((q[:, 1:] + q[:, :-1]) / 2 * np.diff(h, axis=1), axis=1)  # reloading repeats it, signs turned
+        closed = loop.energy_density(x[:, 0])
+        worst = max(worst, float(np.max(np.abs(2 * half - closed)) / closed.max()))
+    return Claim(
+        "5.2, (51)",
+        "The hysteresis loop of traction and displacement is a rectangle: w = 4 q h_x",
+        f"∮ q dh_x in {STEPS - 1} steps of the load, k = −0.1 and 0.3: within {worst:.0e} of the peak of w",
+        verdict(worst < 1e-3),
+        {"worst": worst},
+    )
+
+
+def memory() -> Claim:
+    """Residual traction at C."""
+    left = {}
+    for pair in (NEGATIVE, HOLL):
+        normal, loop = theory(pair)
+        x = np.linspace(-normal.a, normal.a, 2001)
+        left[pair.k] = float(np.max(np.abs(loop.traction(x, 0.0, "unloading"))) / (MU * normal.peak_pressure))
+    return Claim(
+        "5.3, Fig. 11",
+        "In state C the tangential load vanishes, yet the material remembers the loading",
+        f"largest traction there: {left[-0.1]:.2f} μp(0) for k = −0.1, {left[0.3]:.2f} μp(0) for k = 0.3",
+        verdict(min(left.values()) > 0.1),
+        {f"k = {k:g}": v for k, v in left.items()},
+    )
+
+
+def inward() -> Claim:
+    """d/a at the states."""
+    found = {}
+    for pair in (NEGATIVE, HOLL):
+        _, loop = theory(pair)
+        widths = [loop.active_half_width(share * loop.Q_A, branch) / loop.a for share, branch in STATES.values()]
+        found[pair.k] = [float(w) for w in widths]
+    text = "; ".join(f"k = {k:g}: {', '.join(f'{w:.3f}' for w in widths)}" for k, widths in found.items())
+    return Claim(
+        "5.3, Fig. 11",
+        "As the load is reduced reverse slip starts at the edges and propagates inward",
+        f"half-width d/a of the zone without reverse slip in A, B, C, D, E: {text}",
+        verdict(all(a > b for widths in found.values() for a, b in pairwise(widths))),
+        {f"k = {k:g}, C": widths[2] for k, widths in found.items()},
+    )
+
+
+def mirrored() -> Claim:
+    """q_E against -q_A; with coupling the mirror is that of x as well."""
+    run = simulated(NEGATIVE.k, NEGATIVE.nu)
+    start, end = run.last_cycle[0], run.last_cycle[2 * run.quarter]
+    x = start.x
+    plain = relative_l2(start.weight, -np.interp(x, end.x, end.traction, left=0, right=0), start.traction)
+    turned = relative_l2(start.weight, -np.interp(-x, end.x, end.traction, left=0, right=0), start.traction)
+    return Claim(
+        "5.3, Fig. 11",
+        "In state E the traction is that of state A mirrored",
+        f"exactly q_E = −q_A without coupling; with it q_E(x) = −q_A(−x) (k = −0.1, ν = 0.495: L2 {turned:.1%}; "
+        f"without turning x {plain:.1%})",
+        verdict(turned < 0.01 and plain < 0.01, turned < 0.01),
+        {"turned": turned, "plain": plain},
+    )
+
+
+def coupling_claims(runs: Runs, found: list[Difference]) -> list[Claim]:
+    """Section 5.3 and the assumption of Section 4, by finite elements and by the mesh-free solver."""
+    at = {(d.k, d.nu): d for d in found}
+    slip = {pair: _slip_deviation(runs, pair) for pair in (NEGATIVE, HOLL, COUPLED)}
+    states = {pair: _traction_deviations(runs, pair) for pair in (NEGATIVE, HOLL)}
+    negative, coupled = at[NEGATIVE.k, NEGATIVE.nu], at[COUPLED.k, COUPLED.nu]
+    low, high = min(states[NEGATIVE].values()), max(states[NEGATIVE].values())
+    known = [d for d in found if not np.isnan(d.slip)]
+    small = [d for d in known if max(d.slip, d.traction, abs(d.energy)) <= SMALL]
+    worst = max(known, key=lambda d: d.slip)
+    return [
+        Claim(
+            "4",
+            "The coupling effects are often so small that they can be neglected",
+            f"slip, traction and energy all within {SMALL:.0%} at {len(small)} of the {len(known)} points below; "
+            f"at k = {worst.k:g}, ν = {worst.nu:g} slip is off by {worst.slip:.0%}, energy by {worst.energy:+.0%}",
+            verdict(len(small) == len(known), bool(small)),
+            {"small": float(len(small)), "known": float(len(known))},
+        ),
+        Claim(
+            "5.3, Fig. 10a",
+            "k = −0.1, ν = 0.495: results agree well; coupling can be neglected in this case",
+            f"slip: L2 difference {slip[NEGATIVE]:.1%} (mesh-free {negative.slip:.1%}), "
+            f"traction {negative.traction:.1%}, energy {negative.energy:+.1%}",
+            verdict(max(slip[NEGATIVE], negative.traction, abs(negative.energy)) <= SMALL),
+            {"finite elements": slip[NEGATIVE], "mesh-free": negative.slip, "energy": negative.energy},
+        ),
+        Claim(
+            "5.3, Fig. 10b",
+            "k = 0.3 at the Holl ratio: the results fit very well",
+            f"slip: L2 error {slip[HOLL]:.0e}",
+            verdict(slip[HOLL] < 1e-3),
+            {"finite elements": slip[HOLL]},
+        ),
+        Claim(
+            "5.3, Fig. 10b",
+            "k = 0.3, ν = 0.3: only marginal deviations due to coupling",
+            f"slip: L2 difference {slip[COUPLED]:.1%} (mesh-free {coupled.slip:.1%}), traction {coupled.traction:.1%}, "
+            f"energy {coupled.energy:+.1%}",
+            verdict(max(slip[COUPLED], coupled.traction, abs(coupled.energy)) <= SMALL),
+            {"finite elements": slip[COUPLED], "mesh-free": coupled.slip, "energy": coupled.energy},
+        ),
+        Claim(
+            "5.3, Fig. 11a",
+            "k = −0.1, ν = 0.495: traction shows only minor deviations",
+            "L2 difference " + ", ".join(f"{state} {d:.1%}" for state, d in states[NEGATIVE].items()),
+            verdict(high <= SMALL, low <= SMALL),
+            states[NEGATIVE],
+        ),
+        Claim(
+            "5.3, Fig. 11b",
+            "k = 0.3 at the Holl ratio: traction matches very well",
+            "L2 error " + ", ".join(f"{state} {d:.0e}" for state, d in states[HOLL].items()),
+            verdict(max(states[HOLL].values()) < 1e-2),
+            states[HOLL],
+        ),
+    ]
+
+
+def _slip_deviation(runs: Runs, pair: Pair) -> float:
+    """Relative L2 of the finite elements' slip at A, over the contact."""
+    normal, loop = theory(pair)
+    field = runs.loop(pair.k, pair.nu, AMPLITUDE, coupling=True).states["A"]
+    under = np.abs(field.x) <= 1
+    closed = closed_field(normal, loop, field.x[under], loop.Q_A, "unloading")["slip"]
+    return relative_l2(field.weight[under], -field.slip[under], closed)
+
+
+def _traction_deviations(runs: Runs, pair: Pair) -> dict[str, float]:
+    """Relative L2 of the finite elements' traction by state."""
+    normal, loop = theory(pair)
+    states = runs.loop(pair.k, pair.nu, AMPLITUDE, coupling=True).states
+    deviations = {}
+    for name, (share, branch) in STATES.items():
+        field = states[name]
+        closed = closed_field(normal, loop, field.x, share * loop.Q_A, branch)["traction"]
+        deviations[name] = relative_l2(field.weight, field.traction, closed)
+    return deviations

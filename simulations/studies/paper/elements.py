@@ -1,0 +1,153 @@
+"""Finite-element runs for the figures, each made once, and how far they are from the closed forms."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from analytic import CylinderContact
+
+from ...fem.mesh import Grading
+from ...run.comparison import relative_l2
+from ...run.simulation import Simulation
+from ...scene.scaling import Scaled
+from ...scene.scene import Scene, resolve
+from .setting import MU, Units, own_units
+
+DRAWN = 41  # computed points drawn a curve
+
+
+@dataclass(frozen=True)
+class Field:
+    """One state on the surface, arrays (n,), in ``own_units`` of its contact. slip opposes the traction: -h_x."""
+
+    x: np.ndarray
+    weight: np.ndarray
+    pressure: np.ndarray
+    traction: np.ndarray
+    slip: np.ndarray
+
+    @property
+    def density(self) -> np.ndarray:
+        """4 q h_x of a state at +Q_A, (51)."""
+        return -4 * self.traction * self.slip
+
+    def drawn(self, reach: float = 1.05, count: int = DRAWN) -> np.ndarray:
+        """Indices of about ``count`` nodes evenly spread over |x| < ``reach`` a."""
+        wanted = np.linspace(-reach, reach, count)
+        return np.unique(np.clip(np.searchsorted(self.x, wanted), 0, len(self.x) - 1))
+
+
+@dataclass(frozen=True)
+class Loop:
+    """Fields at the states A (first loading) ... E, and the energy dissipated in it in ``own_units``."""
+
+    states: dict[str, Field]
+    energy: float
+
+
+@dataclass(frozen=True)
+class Deviation:
+    """How far computed points are from a curve: an error where both have the same physics, else a difference.
+
+    largest: at any node of the contact, over the curve's largest value. l2: over the contact; nan for single numbers.
+    """
+
+    panel: str
+    curve: str
+    quantity: str
+    kind: str
+    largest: float
+    l2: float
+
+    @classmethod
+    def of(cls, panel, curve, quantity, exact: bool, weight, computed, closed) -> "Deviation":
+        """Deviation of nodal values (n,) from those of the closed form; exact: same physics."""
+        largest = float(np.max(np.abs(computed - closed)) / np.max(np.abs(closed)))
+        return cls(panel, curve, quantity, kind_of(exact), largest, relative_l2(weight, computed, closed))
+
+
+def kind_of(exact: bool) -> str:
+    """The word for a deviation."""
+    return "error" if exact else "difference"
+
+
+def convert(values, own: Units, target: Units, quantity: str):
+    """Values in ``own`` units, as units of ``target``; quantity: a field of Units."""
+    return values * (getattr(own, quantity) / getattr(target, quantity))
+
+
+class Runs:
+    """Runs scenes on a communicator and keeps what the figures need. Every rank calls, every rank gets the result."""
+
+    def __init__(self, comm, overrides: dict | None = None):
+        self.comm, self.overrides = comm, overrides or {}
+        self._kept: dict = {}
+
+    def monotone(self, k: float, nu: float, shares: tuple[float, ...], coupling: bool) -> dict[float, Field]:
+        """Fields at Q = share mu P, evenly spaced shares, of one monotone loading."""
+        key = ("monotone", k, nu, shares, coupling)
+        if key not in self._kept:
+            scene = self._scene(k, nu, shares[-1], coupling, cycles=0, increments=len(shares))
+            simulation = Simulation(self.comm, scene, self._cells(scene, shares))
+            simulation.run_to_end()
+            loaded = [e for e in simulation.history.entries if e.increment.branch == "initial"]
+            fields = [_field(entry, simulation) for entry in loaded]
+            self._kept[key] = dict(zip(shares, fields, strict=True))
+        return self._kept[key]
+
+    def loop(self, k: float, nu: float, amplitude: float, coupling: bool) -> Loop:
+        """A full cycle after the first loading."""
+        key = ("loop", k, nu, amplitude, coupling)
+        if key not in self._kept:
+            simulation = Simulation(self.comm, self._scene(k, nu, amplitude, coupling, cycles=1, increments=6))
+            simulation.run_to_end()
+            states = {}
+            for entry in simulation.history.entries:  # A is the end of the first loading, not of the cycle
+                if entry.increment.state and entry.increment.state not in states:
+                    states[entry.increment.state] = _field(entry, simulation)
+            contact = simulation.contact
+            energy = simulation.history.dissipated_energy / own_units(contact, MU).energy
+            self._kept[key] = Loop(states, energy)
+        return self._kept[key]
+
+    def _scene(self, k, nu, amplitude, coupling, cycles, increments) -> Scene:
+        scene = {
+            "solid.E0": 210e9,
+            "solid.k": k,
+            "solid.nu": nu,
+            "solid.y0_over_a0": 10.0,
+            "indenter.R": 0.1,
+            "load.P": 1e6,
+            "load.mu": MU,
+            "load.amplitude": amplitude,
+            "load.cycles": cycles,
+            "effects.coupling": coupling,
+            "solver.increments": increments,
+        }
+        return resolve(scene | self.overrides)
+
+    def _cells(self, scene, shares) -> Grading:
+        """Cells graded to the stick edges of every share, not of the last alone."""
+        contact = Scaled.of(scene).contact
+        edges = [contact.fretting(MU, z=1 - share).c for share in shares] + [contact.a]
+        edges = sorted([*edges, *(-e for e in edges)])
+        return Grading(edges=tuple(edges), **scene.cell_sizes)
+
+
+def _field(entry, simulation: Simulation) -> Field:
+    own, surface = own_units(simulation.contact, MU), entry.surface
+    return Field(
+        x=surface.x / own.length,
+        weight=surface.weight / own.length,
+        pressure=surface.pressure / (own.traction / MU),
+        traction=surface.traction / own.traction,
+        slip=entry.slip / own.slip,
+    )
+
+
+def closed_field(normal: CylinderContact, loop, x, Q: float, branch: str) -> dict[str, np.ndarray]:
+    """Closed forms [X5] at x (in a), in ``own_units``; slip as h_x, along the traction, zero outside the contact."""
+    own, inside = own_units(normal, loop.mu), np.abs(x) <= 1
+    at = x * normal.a
+    slip = np.where(inside, loop.slip(at, Q, branch), 0.0) / own.slip
+    return {"traction": loop.traction(at, Q, branch) / own.traction, "slip": slip}

@@ -1,0 +1,166 @@
+"""Solve the hard cases one after the other and lay out how each ended:  python -m simulations.studies.stability [--output DIR].
+
+The cases are data (stability.toml); each differs from one coarse base scene. Every case leaves a file of its own, so
+that a run that was stopped goes on where it was; under mpirun the ranks share the cases. After a change of the code use
+another folder: a case is solved again only where its values changed.
+"""
+
+import argparse
+import itertools
+import json
+import time
+import tomllib
+from pathlib import Path
+
+import numpy as np
+from mpi4py import MPI
+
+from ..command.command import comm, on_root, run, say
+from ..loading.stepping import SolveError
+from ..output.files import write_table, write_text
+from ..run.checks import check, drift, still_changing
+from ..run.comparison import compare
+from ..run.energy import EnergyMeter, worst_defect
+from ..run.reference import ClosedForm, NoReference, of_same_physics
+from ..run.simulation import Simulation
+from ..scene.language import SceneError
+from ..scene.scene import Scene, resolve
+from .stability_report import FAILED, GREEN, REFUSED, WRONG, picture, summary, table
+
+CASES = Path(__file__).with_suffix(".toml")
+# What the refusals promise (limits.py): beyond these an answer that passes its own checks is silently wrong.
+ERRORS = {"pressure_l2": 0.1, "traction_l2": 0.1, "a": 0.05, "dissipated_energy": 0.05}
+ENERGY = 1e-6  # of what an increment turns over, or where that is more ...
+ENERGY_ROUND_OFF = 10.0  # ... this many times Newton's tolerance, of P²/E(a)
+CONSISTENCY = 1e-3  # theta != 0 adds forces that do work through the error of discretisation
+DRIFT = 1e-6  # of the steady loop from cycle to cycle, over the largest pressure
+
+
+def read_cases(only: list[str] = ()) -> dict[str, dict]:
+    """Scene keys by name of the case; ``only`` the studies of these names."""
+    document = tomllib.loads(CASES.read_text(encoding="utf-8"))
+    cases = {}
+    for study in document["study"]:
+        if only and study["name"] not in only:
+            continue
+        base = {key: value for key, value in document["base"].items() if key not in study.get("without", ())}
+        names = list(study.get("keys", ()))
+        product = itertools.product(*(study["keys"][name] for name in names)) if names else ()
+        for changes in [dict(zip(names, values)) for values in product] + study.get("each", []):
+            shown = ", ".join(
+                f"{key.partition('.')[2]} {value}" for key, value in changes.items() if not isinstance(value, list)
+            )
+            cases[f"{study['name']}: {shown}"] = base | changes
+    if not cases:
+        raise SceneError(f"--only {' '.join(only)} is not allowed: {', '.join(s['name'] for s in document['study'])}")
+    return cases
+
+
+def solve(values: dict) -> dict:
+    """One case: how it ended (``outcome``, ``why``) and its numbers."""
+    start = time.perf_counter()
+    try:
+        row = _measure(resolve(values))
+    except SceneError as reason:
+        row = {"outcome": REFUSED, "why": str(reason)}
+    except SolveError as reason:
+        row = {"outcome": FAILED, "why": str(reason)}
+    return row | {"seconds": round(time.perf_counter() - start, 3)}
+
+
+def _measure(scene: Scene) -> dict:
+    simulation = Simulation(MPI.COMM_SELF, scene)
+    simulation.solver.confirms = True
+    meter = EnergyMeter(simulation.body)
+    for entry in simulation.run():
+        meter.read(entry)
+    history = simulation.history
+    tolerance = max(entry.tolerance for entry in history.entries)
+    checks = check(history, simulation.scaled.indenter.height, "coupling" in simulation.effects)
+    defects = {name: c.value for name, c in checks.items() if not c.holds}
+    balance = worst_defect(meter.steps, ENERGY_ROUND_OFF * tolerance / ENERGY)
+    if balance > (CONSISTENCY if scene["solver.theta"] else ENERGY):
+        defects["energy balance"] = balance
+    drifting = drift(history) if scene.values.get("load.cycles", 0) > 1 else 0.0
+    if drifting > max(DRIFT, 10 * tolerance):
+        defects["drift"] = drifting
+    unsettled = max(entry.residual / entry.tolerance for entry in history.entries)
+    errors = _errors(simulation)
+    off = {name: value for name, value in errors.items() if abs(value) > ERRORS.get(name, np.inf)}
+    outcome, why = GREEN, ""
+    if defects:
+        outcome, why = REFUSED, "after the solve: " + ", ".join(f"{n} {v:.1e}" for n, v in defects.items())
+    elif off:
+        outcome, why = WRONG, ", ".join(f"{n} {v:.1e}" for n, v in off.items())
+    return {
+        "outcome": outcome,
+        "why": why,
+        "unknowns": simulation.body.unknowns,
+        "increments": len(history.entries),
+        "iterations": sum(entry.iterations for entry in history.entries),
+        "most_iterations": max(entry.iterations for entry in history.entries),
+        "cuts": sum(entry.cuts for entry in history.entries),
+        "residual": max(entry.residual for entry in history.entries),
+        "tolerance": tolerance,
+        "residual_over_tolerance": unsettled,
+        "still_changing": still_changing(history),
+        "energy_defect": balance,
+        "drift": drifting,
+        **{f"check {name}": c.value for name, c in checks.items()},
+        **{f"error {name}": value for name, value in errors.items()},
+    }
+
+
+def _errors(simulation: Simulation) -> dict[str, float]:
+    try:
+        reference = of_same_physics(simulation)
+    except NoReference:
+        return {}
+    if isinstance(reference, ClosedForm) or simulation.scene["reference.kind"] == "half-plane":
+        return compare(simulation.history, reference)
+    return {}
+
+
+def main(arguments: list[str]):
+    """Solve what is not yet solved, then write the tables and the picture of all."""
+    request, cases = on_root(lambda: _request(arguments))
+    files = {name: request.output / "cases" / f"{number:03d}.json" for number, name in enumerate(cases)}
+    for number, (name, values) in enumerate(cases.items()):
+        done = _read(files[name])
+        if number % comm.size != comm.rank or (done and done["values"] == _plain(values)):
+            continue
+        row = {"name": name, "values": _plain(values)} | solve(values)
+        write_text(files[name], json.dumps(row))
+        print(
+            f"{number + 1:4d}/{len(cases)}  {row['outcome']:10s} {row['seconds']:6.1f} s  {name}  {row['why']}"[:230],
+            flush=True,
+        )
+    comm.Barrier()
+    if comm.rank == 0:
+        rows = [row for row in map(_read, files.values()) if row is not None]
+        write_table(request.output / "stability.csv", rows, left_out=("values",))
+        write_text(request.output / "stability.md", table(rows))
+        picture(request.output / "stability.png", rows)
+        say(summary(rows) + f"\nwritten to {request.output}: stability.csv, stability.md, stability.png")
+    comm.Barrier()
+
+
+def _request(arguments):
+    parser = argparse.ArgumentParser(prog="python -m simulations.studies.stability", description=__doc__)
+    parser.add_argument("--output", type=Path, default=Path("results/stability"), metavar="DIR")
+    parser.add_argument("--only", nargs="+", default=[], metavar="STUDY", help="studies of stability.toml")
+    request = parser.parse_args(arguments)
+    (request.output / "cases").mkdir(parents=True, exist_ok=True)
+    return request, read_cases(request.only)
+
+
+def _plain(values):
+    return json.loads(json.dumps(values))
+
+
+def _read(file: Path) -> dict | None:
+    return json.loads(file.read_text()) if file.exists() else None
+
+
+if __name__ == "__main__":
+    run(main)

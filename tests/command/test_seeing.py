@@ -1,0 +1,81 @@
+"""What a run says while it goes, and what reaches PETSc."""
+
+import os
+import pty
+import re
+import subprocess
+import sys
+import warnings
+
+import pytest
+from conftest import MPI_ENVIRONMENT, ROOT, coarse_arguments, run_command
+
+from simulations.command import command, progress
+
+
+@pytest.fixture(scope="module")
+def plain(tmp_path_factory):
+    done = run_command(*coarse_arguments(tmp_path_factory.mktemp("run")), ranks=2)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def test_a_line_an_increment_with_the_time_left(plain):
+    lines = [line for line in plain.splitlines() if re.match(r" *\d+/11 ", line)]
+    assert len(lines) == 11
+    assert all(re.search(r", \d+ s left$", line) for line in lines[:-1]) and "left" not in lines[-1]
+    assert "\x1b" not in plain and "\r" not in plain
+
+
+@pytest.mark.parametrize("seconds, words", [(0.2, "0 s"), (99, "99 s"), (150, "2 min"), (5990, "1 h 40 min")])
+def test_durations(seconds, words):
+    assert progress.duration(seconds) == words
+
+
+def test_quiet(tmp_path):
+    done = run_command(*coarse_arguments(tmp_path), "--quiet")
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    assert (tmp_path / "summary.json").exists()
+
+
+def test_on_a_terminal_one_line_is_written_over(tmp_path):
+    leader, follower = pty.openpty()
+    words = [sys.executable, "-m", "simulations.fretting", *coarse_arguments(tmp_path)]
+    environment = os.environ | MPI_ENVIRONMENT | {"PYTHONPATH": str(ROOT)}
+    process = subprocess.Popen(words, cwd=ROOT, env=environment, stdout=follower, stdin=subprocess.DEVNULL)
+    os.close(follower)
+    said = b""
+    try:
+        while piece := os.read(leader, 4096):
+            said += piece
+    except OSError:  # how a terminal ends
+        pass
+    os.close(leader)
+    assert process.wait(120) == 0
+    steps = [line for line in said.decode().split("\x1b[K") if re.match(r" *\d+/11 ", line)]
+    assert len(steps) == 11
+    stay = [re.match(r" *(\d+)", line)[1] for line in steps if "\n" in line]
+    assert stay == ["3", "4", "5", "6", "7", "11"]  # A B C D E A
+
+
+def test_petsc_monitors_and_log(tmp_path):
+    done = run_command(*coarse_arguments(tmp_path), "-fretting_snes_monitor", "-log_view", ranks=2)
+    assert done.returncode == 0
+    assert done.stdout.count("SNES Function norm") > 11
+    assert done.stdout.count("PETSc Performance Summary") == 1 and "SNESSolve" in done.stdout
+
+
+def test_an_option_that_nothing_asks_for_is_named_once(tmp_path):
+    done = run_command(*coarse_arguments(tmp_path), "-fretting_snes_monitr", ranks=2)
+    assert done.returncode == 0
+    assert (done.stdout + done.stderr).count("-fretting_snes_monitr") == 1
+
+
+def test_warnings_come_once(capfd, monkeypatch):
+    monkeypatch.setattr(command.signal, "signal", lambda *pair: None)
+    with warnings.catch_warnings():
+        warnings.simplefilter("always")
+        command._listen()
+        for _ in range(3):
+            warnings.warn("the mesh is coarse", UserWarning, stacklevel=1)
+    assert capfd.readouterr().err == "warning: the mesh is coarse\n"

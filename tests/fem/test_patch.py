@@ -1,0 +1,66 @@
+"""Patch tests: under uniform pressure and traction the discrete solution is exact, graded or not."""
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from forms.modulus import PowerLaw
+from simulations.fem.body import HalfPlane, X, Y
+from simulations.fem.contact_problem import ContactProblem, Nitsche
+from simulations.fem.mesh import half_plane
+from simulations.fem.surface import SurfaceSampler
+from simulations.solvers.condensed.compliance import Compliance
+from simulations.solvers.condensed.system import CondensedSystem
+from simulations.solvers.full import FullSystem
+from simulations.solvers.newton import Newton
+
+WIDTH, DEPTH, NU = 2.0, 1.5, 0.3
+
+
+def confined_block(k, mixed=False):
+    """A block on a rigid base, sides guided; its u under uniform p = P/WIDTH, q = Q/WIDTH is linear in y^(1-k)."""
+    modulus = PowerLaw.of(k)
+    depth = modulus.depth_map()
+    constrained = (1 - NU) / ((1 + NU) * (1 - 2 * NU))
+    shear = 1 / (2 * (1 + NU))
+
+    def exact(x, y, P=0.0, Q=0.0):
+        compression = (DEPTH ** (1 - k) - y ** (1 - k)) / (1 - k)
+        return np.stack([Q / WIDTH / shear * compression, P / WIDTH / constrained * compression])
+
+    x = np.array([-1.0, -0.7, -0.2, 0.1, 0.6, 1.0])
+    mesh, facets = half_plane(MPI.COMM_SELF, x, depth.s(DEPTH) * np.array([0.0, 0.1, 0.3, 1.0]))
+    return HalfPlane(mesh, facets, modulus, NU, exact, WIDTH, mixed), exact
+
+
+def press(body, friction, load, method):
+    """Equilibrium with a flat punch that covers the whole surface: pressed first, then sheared."""
+    compliance = Compliance(body)
+    body.delta.value[:] = (0.0, 0.1)
+    stages = [(False, (0.0, load[1])), (True, load)]
+    for with_friction, stage_load in stages[: 1 + friction]:
+        problem = ContactProblem(body, lambda x: 0.0 * x, Nitsche(), (X, Y) if with_friction else (Y,))
+        if with_friction:
+            problem.mu.value = 0.5
+            problem.release()
+        system = FullSystem(problem) if method == "full" else CondensedSystem(problem, compliance)
+        predict = problem.all_stick if with_friction else None
+        result = Newton(system, body.mesh.comm).solve(stage_load, predict)
+        assert result.converged, result.reason
+    return SurfaceSampler(body, problem).sample(problem)
+
+
+@pytest.mark.parametrize("method", ["full", "condensed"])
+@pytest.mark.parametrize("friction", [False, True])
+@pytest.mark.parametrize("k, mixed", [(0.0, False), (0.3, False), (0.7, False), (0.0, True), (0.3, True)])
+def test_uniform_tractions(k, mixed, friction, method):
+    body, exact = confined_block(k, mixed)
+    load = (0.2 if friction else 0.0, 0.8)
+    state = press(body, friction, load, method)
+    u = exact(0.0, 0.0, P=load[1], Q=load[0])
+    assert state.pressure == pytest.approx(load[1] / WIDTH, rel=1e-9)
+    assert state.traction == pytest.approx(load[0] / WIDTH, rel=1e-9, abs=1e-12)
+    assert state.u[1] == pytest.approx(u[1], rel=1e-9)
+    assert state.delta[1] == pytest.approx(u[1], rel=1e-9)
+    if friction:
+        assert state.delta[0] == pytest.approx(u[0], rel=1e-9)

@@ -1,0 +1,179 @@
+"""The main job as a user runs it, and its files opened again by other readers."""
+
+import csv
+import json
+
+import h5py
+import meshio
+import numpy as np
+import pytest
+from conftest import coarse_arguments, run_command
+from solving import of_the_closed_form
+
+from simulations import fretting
+from simulations.loading.stepping import LoadProgramme, SolveError
+from simulations.scene.scene import language, parse
+
+
+@pytest.fixture(scope="module")
+def summary(default_run):
+    return json.loads((default_run / "summary.json").read_text())
+
+
+def test_default_loop_is_within_a_tenth_of_a_per_cent(summary):
+    assert summary["converged"] and summary["ranks"] == 2
+    assert set(summary["errors"]) == {"pressure_l2", "traction_l2", "slip_l2", "a", "c", "dissipated_energy"}
+    for name, error in summary["errors"].items():
+        assert abs(error) < 1e-3, name
+
+
+def test_default_loop_is_as_good_as_published(summary):
+    """What README says, with a margin for other versions of the libraries."""
+    limits = {"pressure_l2": 1.5e-4, "traction_l2": 2e-4, "slip_l2": 5e-5, "a": 2e-5, "c": 1e-4}
+    for name, limit in (limits | {"dissipated_energy": 5e-5}).items():
+        assert abs(summary["errors"][name]) < limit, name
+
+
+def test_standard_output_ends_with_the_table(default_run):
+    text = (default_run / "stdout.txt").read_text()
+    for word in ("closed form", "energy per cycle", "traction, L2 over the contact", "written to"):
+        assert text.count(word) == 1 or word == "closed form", word
+
+
+def test_scene_is_resolved_and_can_be_run_again(default_run):
+    text = (default_run / "scene.toml").read_text()
+    assert "# dolfinx 0.9" in text
+    scene = parse(text)
+    assert set(scene.values) <= set(language()) and "solid.y0_over_a0" not in scene.values
+    assert parse(scene.to_toml()) == scene
+    assert scene["solid.y0"] == pytest.approx(10 * scene.a0, rel=1e-12)
+
+
+def test_history(default_run, summary):
+    with open(default_run / "history.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == summary["increments"]
+    assert [row["state"] for row in rows if row["cycle"] == "1" and row["state"]] == ["B", "C", "D", "E", "A"]
+    energy = [float(row["dissipated_energy[J/m]"]) for row in rows]
+    assert np.all(np.diff(energy) >= 0)
+    start = next(i for i, row in enumerate(rows) if row["cycle"] == "1") - 1
+    assert energy[-1] - energy[start] == pytest.approx(summary["dissipated_energy"], rel=1e-9)
+
+
+def test_surface(default_run, summary):
+    with h5py.File(default_run / "surface.h5") as file:
+        data = {name: file[name][...] for name in file}
+        units = {name: file[name].attrs.get("unit") for name in file}
+    n, s = data["x"].size, summary["increments"]
+    assert data["pressure"].shape == data["traction"].shape == data["slip"].shape == (s, n)
+    assert units["pressure"] == "Pa" and units["Q"] == "N/m" and units["slip"] == "m"
+    assert np.all(np.diff(data["x"]) > 0)
+    P = data["pressure"] @ data["weight"]
+    Q = data["traction"] @ data["weight"]
+    assert P == pytest.approx(data["P"], rel=1e-8)
+    assert Q == pytest.approx(data["Q"], abs=1e-8 * data["P"].max())
+    assert np.sum(data["traction"][-1] * data["slip"][-1] * data["weight"]) < 0  # slip opposes traction
+
+
+def test_fields_open_in_another_reader(default_run, summary):
+    with meshio.xdmf.TimeSeriesReader(default_run / "fields.xdmf") as reader:
+        points, cells = reader.read_points_cells()
+        states = [reader.read_data(i) for i in range(reader.num_steps)]
+    assert len(states) == 7  # normal stage, A, B, C, D, E, A
+    time, at_points, at_cells = states[1]
+    assert time == 6.0
+    depth = points[:, 1]
+    assert depth.min() == pytest.approx(0.0, abs=1e-12)
+    assert depth.max() == pytest.approx(20 * 0.00104425, rel=1e-5)  # 20 a, in m
+    displacement = at_points["displacement [m]"]
+    centre = np.argmin(np.abs(points[:, 0]) + depth)
+    assert displacement[centre, 1] == pytest.approx(summary["indentation"], rel=2e-3)
+    von_mises = at_cells["von Mises stress [Pa]"][0]
+    assert at_cells["stress xx, yy, xy [Pa]"][0].shape == (von_mises.size, 3)
+    assert von_mises.size == sum(len(block.data) for block in cells)
+    with h5py.File(default_run / "surface.h5") as file:
+        peak = file["pressure"][-1].max()
+    assert 0.2 * peak < von_mises.max() < 2 * peak
+
+
+def test_picture(default_run):
+    assert (default_run / "fretting.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.fixture(scope="module")
+def runs_by_ranks(tmp_path_factory):
+    folders = {ranks: tmp_path_factory.mktemp(f"ranks{ranks}") for ranks in (1, 2, 3)}
+    for ranks, folder in folders.items():
+        done = run_command(*coarse_arguments(folder), ranks=ranks)
+        assert done.returncode == 0, done.stderr
+    return folders
+
+
+@pytest.mark.parametrize("ranks", [2, 3])
+def test_same_answer_on_any_number_of_ranks(runs_by_ranks, ranks):
+    """To 1e-7 of the largest value: Newton ends at a force residual of 1e-9 P, which the smallest facets magnify."""
+    with (
+        h5py.File(runs_by_ranks[1] / "surface.h5") as one,
+        h5py.File(runs_by_ranks[ranks] / "surface.h5") as other,
+    ):
+        for name in ("x", "weight", "pressure", "traction", "slip", "P", "Q"):
+            scale = np.abs(one[name][...]).max()
+            assert other[name][...] == pytest.approx(one[name][...], abs=1e-7 * scale), name
+
+
+@pytest.mark.parametrize("ranks", [2, 3])
+def test_newton_sees_the_whole_tangent_on_any_number_of_ranks(runs_by_ranks, ranks):
+    """A tangent that misses entries across ranks still converges to the right state, but in more iterations."""
+    one, other = (json.loads((runs_by_ranks[n] / "summary.json").read_text())["newton_iterations"] for n in (1, ranks))
+    assert abs(other - one) <= 3
+
+
+def test_full_method_on_two_ranks(runs_by_ranks, tmp_path):
+    done = run_command(*coarse_arguments(tmp_path, solver__method="full"), ranks=2)
+    assert done.returncode == 0, done.stderr
+    with h5py.File(runs_by_ranks[1] / "surface.h5") as one, h5py.File(tmp_path / "surface.h5") as other:
+        scale = one["pressure"][...].max()
+        assert other["traction"][...] == pytest.approx(one["traction"][...], abs=1e-7 * scale)
+
+
+def test_petsc_options_reach_the_solver(tmp_path):
+    done = run_command(*coarse_arguments(tmp_path), "-fretting_snes_monitor", ranks=2)
+    assert done.returncode == 0
+    assert "SNES Function norm" in done.stdout
+
+
+def test_cut_increments_give_the_same_answer(runs_by_ranks, tmp_path):
+    """Three iterations are too few for some increments: they are halved, and nothing else changes."""
+    done = run_command(*coarse_arguments(tmp_path), "-fretting_snes_max_it", 3)
+    assert done.returncode == 0 and "cuts" in done.stdout
+    with h5py.File(runs_by_ranks[1] / "surface.h5") as one, h5py.File(tmp_path / "surface.h5") as other:
+        scale = one["traction"][...].max()
+        assert other["traction"][-1] == pytest.approx(one["traction"][-1], abs=1e-4 * scale)
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_failed_solve_says_why(tmp_path, ranks):
+    done = run_command(*coarse_arguments(tmp_path), "-fretting_snes_max_it", 0, ranks=ranks)
+    assert done.returncode == 1
+    lines = [line for line in done.stderr.splitlines() if line.startswith("not converged")]
+    assert len(lines) == 1 and "too many iterations" in lines[0]
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert summary["converged"] is False and "too many iterations" in summary["failure"]
+    assert "a" not in summary and "errors" not in summary
+
+
+def test_failed_solve_keeps_what_it_had(tmp_path, monkeypatch):
+    """Without its cures Newton cycles in the middle of a strongly coupled loop; the states before that are kept."""
+    monkeypatch.setattr("simulations.run.simulation.expected_edges", of_the_closed_form)
+    monkeypatch.setattr("simulations.loading.stepping.MAX_CUTS", 0)
+    monkeypatch.setattr(LoadProgramme, "_guarded", LoadProgramme._fixed_point)
+    mesh = {"mesh__facet": 0.05, "mesh__growth": 1.5, "mesh__edge_facet": 4e-3, "mesh__first_layer": 4e-3}
+    hard = mesh | {"mesh__layer_growth": 1.5, "solver__increments": 6, "solid__k": -0.5, "solid__nu": 0.3}
+    with pytest.raises(SolveError, match="Newton cycles"):
+        fretting.main(coarse_arguments(tmp_path, **hard))
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert summary["converged"] is False and summary["increments"] >= 2
+    assert "dissipated_energy" not in summary and "differences" not in summary
+    with h5py.File(tmp_path / "surface.h5") as file:
+        assert file["pressure"].shape[0] == summary["increments"]
+        assert file["pressure"][-1] @ file["weight"][...] == pytest.approx(file["P"][-1], rel=1e-8)

@@ -1,0 +1,209 @@
+"""Wrong scenes and command lines, and what the one line about each has to say.
+
+Run under mpirun by test_bad_input: ``python tests/scene/refusals.py`` tries all of them in the current folder on every rank
+and prints, as JSON, the line of each, the seconds it took and what it left behind.
+"""
+
+import json
+import sys
+import time
+from pathlib import Path
+
+from simulations import fretting
+from simulations.scene.language import SceneError
+from simulations.scene.scene import DEFAULT_SCENE
+
+SOLID = "[solid]\nE0 = 2e11\nk = 0.3\nnu = 0.3\ny0 = 0.01\n[indenter]\nR = 0.1\n"
+SCENES: dict[str, str | bytes] = {
+    "empty.toml": "",
+    "spaces.toml": " \n\n",
+    "prose.toml": "this is no scene",
+    "binary.toml": b"\x89PNG\r\n\x1a\n\xff\xfe\x00",
+    "latin.toml": 'title = "Stöße"'.encode("latin-1"),
+    "open.toml": 'title = "no end',
+    "twice.toml": DEFAULT_SCENE.replace("k = 0.3", "k = 0.3\nk = 0.4"),
+    "table_twice.toml": DEFAULT_SCENE + "[load]\nP = 1.0\n",
+    "both_y0.toml": DEFAULT_SCENE.replace("k = 0.3", "k = 0.3\ny0 = 1.0"),
+    "deep.toml": "a = " + "[" * 5000,
+    "digits.toml": "load.P = " + "1" * 5000,
+    "no_solid.toml": "[indenter]\nR = 0.1\n[load]\nP = 1e6\n",
+    "no_load.toml": SOLID,
+    "no_amplitude.toml": SOLID + "[load]\nP = 1e6\nmu = 0.3\n",
+    "no_mu.toml": SOLID + "[load]\nP = 1e6\namplitude = 0.5\n",
+    "points_without_mu.toml": SOLID + "[load]\npoints = [[1e6, 0], [1e6, 1e5]]\n",
+    "points_and_P.toml": SOLID + "[load]\nP = 1e6\nmu = 0.3\npoints = [[1e6, 0]]\n",
+    "points_slide.toml": SOLID + "[load]\nmu = 0.3\npoints = [[1e6, 0], [1e6, 3e5]]\n",
+    "points_start.toml": SOLID + "[load]\nmu = 0.3\npoints = [[1e6, 1e5]]\n",
+    "points_pull.toml": SOLID + "[load]\nmu = 0.3\npoints = [[1e6, 0], [-1e6, 0]]\n",
+    "points_triple.toml": SOLID + "[load]\nmu = 0.3\npoints = [[1e6, 0, 0]]\n",
+    "points_text.toml": SOLID + '[load]\nmu = 0.3\npoints = [["1e6", 0]]\n',
+    "points_empty.toml": SOLID + "[load]\nmu = 0.3\npoints = []\n",
+    "date.toml": DEFAULT_SCENE.replace("k = 0.3", "k = 2026-01-01"),
+    "key_without_table.toml": "k = 0.3\n" + DEFAULT_SCENE,
+    "array_of_tables.toml": "[[solid]]\nk = 0.3\n",
+}
+
+
+def by_set(*pairs):
+    return tuple(word for pair in pairs for word in ("--set", pair))
+
+
+FORMULA = "indenter.profile=formula"
+REFUSED: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
+    # unknown
+    "misspelt key": (by_set("load.amplitud=0.5"), ("load.amplitud", "did you mean load.amplitude?")),
+    "wrong case": (by_set("solid.e0=1"), ("did you mean solid.E0?",)),
+    "wrong table": (by_set("solid.mu=0.2"), ("solid.mu", "did you mean load.mu?")),
+    "no table": (("key_without_table.toml",), ("k = 0.3", "did you mean solid.k?")),
+    "unknown in a table": (by_set("mesh.zzz=1"), ("mesh.zzz", "mesh.facet")),
+    "unknown table": (by_set("quark.zzz=1"), ("quark.zzz", "there are title and the tables")),
+    "unknown option": (("--ouput", "x"), ("--ouput",)),
+    "one dash": (("-output", "x"), ("-output", "did you mean --output?")),
+    "two scenes": (("a.toml", "b.toml"), ("b.toml",)),
+    "unknown choice": (by_set("solver.method=fulll"), ("'fulll'", '"condensed" or "full"')),
+    "unknown profile": (by_set("indenter.profile=wedge"), ("'wedge'", '"parabola"')),
+    "unknown modulus": (by_set("solid.modulus=steel"), ("'steel'", '"power law"')),
+    "unknown reference": (by_set("reference.kind=truth"), ("'truth'", '"half-plane"')),
+    # types
+    "not a number": (by_set("load.mu=high"), ("load.mu = 'high'", "a number")),
+    "number as text": (by_set('load.P="1e6"'), ("load.P = '1e6'", "a number")),
+    "truth for a number": (by_set("load.P=true"), ("load.P = True", "a number")),
+    "list for a number": (by_set("solid.k=[0.3]"), ("solid.k = [0.3]", "a number")),
+    "table for a number": (by_set("solid.k={a=1}"), ("solid.k", "a number")),
+    "number for truth": (by_set("effects.coupling=0"), ("effects.coupling = 0", "true or false")),
+    "text for truth": (by_set("effects.coupling=no"), ("effects.coupling = 'no'", "true or false")),
+    "half a cycle": (by_set("load.cycles=1.5"), ("load.cycles = 1.5", "an integer")),
+    "number for a text": (by_set("title=3"), ("title = 3", "a text")),
+    "two lines for a title": (by_set('title="a\\nb"'), ("title", "one line")),
+    "date": (("date.toml",), ("solid.k", "a number")),
+    "wrong word": (by_set("solid.nu=hall"), ("solid.nu = 'hall'", '"holl"')),
+    # ranges
+    "k": (by_set("solid.k=1.2"), ("solid.k = 1.2", "]-1, 1[")),
+    "k = -1": (by_set("solid.k=-1"), ("solid.k = -1", "]-1, 1[")),
+    "nu": (by_set("solid.nu=0.6"), ("solid.nu = 0.6", "]-1, 0.5]")),
+    "E0": (by_set("solid.E0=0"), ("solid.E0 = 0", "]0, inf[")),
+    "negative P": (by_set("load.P=-1e6"), ("load.P = -1000000.0", "]0, inf[")),
+    "amplitude": (by_set("load.amplitude=1.0"), ("load.amplitude = 1.0", "[1e-06, 1[")),
+    "no amplitude at all": (by_set("load.amplitude=0"), ("load.amplitude = 0", "[1e-06, 1[")),
+    "cycles": (by_set("load.cycles=-1"), ("load.cycles = -1", "[0, 1000]")),
+    "facet": (by_set("mesh.facet=0"), ("mesh.facet = 0", "[0.001, 0.5]")),
+    "extent": (by_set("mesh.extent=1"), ("mesh.extent = 1", "[4, 10000]")),
+    "increments": (by_set("solver.increments=0"), ("solver.increments = 0", "[1, 1000]")),
+    "theta out of range": (by_set("solver.theta=2"), ("solver.theta = 2", "[-1, 1]")),
+    # no numbers
+    "nan": (by_set("indenter.R=nan"), ("indenter.R = nan", "a number")),
+    "infinity": (by_set("indenter.R=inf"), ("indenter.R = inf", "a number")),
+    "1e400": (by_set("load.P=1e400"), ("load.P = inf", "a number")),
+    "1e-400": (by_set("load.P=1e-400"), ("load.P = 0.0", "]0, inf[")),
+    "huge integer": (by_set("load.P=1" + "0" * 400), ("load.P", "a number")),
+    "endless integer": (("digits.toml",), ("not TOML", "digits")),
+    # missing
+    "no key at all": (("empty.toml",), ("solid.E0 is missing",)),
+    "blank": (("spaces.toml",), ("solid.E0 is missing",)),
+    "no solid": (("no_solid.toml",), ("solid.E0 is missing",)),
+    "no load": (("no_load.toml",), ("load.P is missing",)),
+    "no amplitude": (("no_amplitude.toml",), ("load.amplitude is missing",)),
+    "no mu": (("no_mu.toml",), ("load.mu is missing",)),
+    "no flat": (by_set('indenter.profile="rounded flat"'), ("indenter.flat is missing",)),
+    "no formula": (by_set(FORMULA), ("indenter.formula is missing",)),
+    "no thickness": (by_set('solid.modulus="power-law coating"'), ("solid.thickness is missing",)),
+    "--set without value": (by_set("load.mu"), ("KEY=VALUE",)),
+    "--set without anything": (("--set",), ("--set",)),
+    "--output without folder": (("--output",), ("--output",)),
+    # contradictions
+    "theta": (by_set("solver.theta=1", "solver.method=condensed"), ("solver.theta", "full")),
+    "theta uncoupled": (by_set("solver.theta=1", "effects.coupling=false"), ("solver.theta", "effects.coupling")),
+    "no Holl ratio": (by_set("solid.k=-0.3"), ('"holl"', "k = -0.3")),
+    "friction off, but mu": (by_set("effects.friction=false"), ("load.mu", "beside effects.friction = false")),
+    "symmetry with friction": (by_set("effects.symmetry=true"), ("effects.symmetry", "the tangential load breaks it")),
+    "locked in without coupling": (
+        by_set("effects.friction_in_normal_stage=true", "effects.coupling=false"),
+        ("effects.friction_in_normal_stage", "effects.coupling = true"),
+    ),
+    "incompressible but plain": (
+        by_set("solid.nu=0.5", "effects.incompressibility=false"),
+        ("effects.incompressibility", "nu = 1/2"),
+    ),
+    "mixed at nu < 0": (
+        by_set("solid.nu=-0.2", "effects.incompressibility=true"),
+        ("effects.incompressibility", "nu = -0.2"),
+    ),
+    "exponent of a parabola": (by_set("indenter.exponent=4"), ("indenter.exponent", 'indenter.profile = "parabola"')),
+    "k of a homogeneous solid": (by_set("solid.modulus=homogeneous"), ("solid.k", 'solid.modulus = "homogeneous"')),
+    "y0 twice": (("both_y0.toml",), ("exactly one of solid.y0 and solid.y0_over_a0",)),
+    "points and P": (("points_and_P.toml",), ("load.P", "beside load.points")),
+    # numbers that do not fit together
+    "overflow": (by_set("load.P=1e300", "solid.E0=1e-300"), ("do not fit together",)),
+    "underflow": (by_set("load.P=1e-300", "solid.E0=1e300"), ("do not fit together",)),
+    "load beyond the circle": (
+        by_set("indenter.profile=circle", "load.P=1e13"),
+        ("do not fit together", "before it carries P"),
+    ),
+    # points
+    "points without mu": (("points_without_mu.toml",), ("load.mu is missing",)),
+    "points that slide": (("points_slide.toml",), ("load.points", "|Q| < mu P")),
+    "points that start aside": (("points_start.toml",), ("load.points", "the first point has Q = 0")),
+    "points that pull": (("points_pull.toml",), ("load.points", "P > 0")),
+    "points of three": (("points_triple.toml",), ("load.points", "pairs [P, Q]")),
+    "points of text": (("points_text.toml",), ("load.points", "pairs [P, Q]")),
+    "no points": (("points_empty.toml",), ("load.points = []", "pairs [P, Q]")),
+    # formulas
+    "formula of code": (by_set(FORMULA, "indenter.formula=__import__('os')"), ("indenter.formula", "arithmetic")),
+    "half a formula": (by_set(FORMULA, "indenter.formula=x +"), ("indenter.formula", "arithmetic")),
+    "other variable": (by_set(FORMULA, "indenter.formula=y**2"), ("indenter.formula", "arithmetic")),
+    "formula without x": (by_set(FORMULA, "indenter.formula=R+1"), ("indenter.formula", "depend on x")),
+    "tower of powers": (by_set(FORMULA, "indenter.formula=x*9**9**9"), ("indenter.formula", "no float")),
+    "division by zero": (by_set(FORMULA, "indenter.formula=x/0"), ("indenter.formula", "real function")),
+    "imaginary": (by_set(FORMULA, "indenter.formula=sqrt(-x)"), ("indenter.formula", "real function")),
+    "not convex": (by_set(FORMULA, "indenter.formula=x**2/R-1e7*x**4"), ("not convex",)),
+    "does not start at 0": (by_set(FORMULA, "indenter.formula=1+x**2"), ("indenter.formula",)),
+    "two arguments": (by_set(FORMULA, "indenter.formula=sqrt(x, x)"), ("indenter.formula", "arithmetic")),
+    # files
+    "absent scene": (("absent.toml",), ("absent.toml", "No such file")),
+    "folder for a scene": ((".",), ("cannot be read", "Is a directory")),
+    "device for a scene": (("/dev/zero",), ("/dev/zero", "not a text file")),
+    "prose": (("prose.toml",), ("not TOML", "line 1")),
+    "binary": (("binary.toml",), ("binary.toml", "not even text")),
+    "other encoding": (("latin.toml",), ("latin.toml", "not even text")),
+    "open text": (("open.toml",), ("not TOML",)),
+    "key twice": (("twice.toml",), ("not TOML", "overwrite")),
+    "table twice": (("table_twice.toml",), ("not TOML",)),
+    "deep list": (("deep.toml",), ("not TOML",)),
+    "array of tables": (("array_of_tables.toml",), ("solid",)),
+    "zero byte in a name": (("a\0.toml",), ("cannot be read",)),
+    "output below a file": (("--output", "empty.toml/results"), ("--output", "Not a directory")),
+    "output is a file": (("--output", "empty.toml"), ("--output", "File exists")),
+    "output in /proc": (("--output", "/proc/results"), ("--output", "cannot be written")),
+    "resume nothing": (("--resume", "."), ("not the folder of a run",)),
+    "resume a file": (("--resume", "empty.toml"), ("not the folder of a run",)),
+    "resume with keys": (("--resume", ".", *by_set("load.mu=0.2")), ("--resume takes no scene",)),
+}
+
+
+def write_scenes(folder: Path):
+    """The files that REFUSED names."""
+    for name, content in SCENES.items():
+        (folder / name).write_bytes(content if isinstance(content, bytes) else content.encode())
+
+
+def refusal(arguments) -> tuple[str | None, float]:
+    """The line about a command line, None where there is none, and the seconds until it comes."""
+    start = time.perf_counter()
+    try:
+        fretting.main(list(arguments))
+        line = None
+    except SceneError as error:
+        line = str(error)
+    return line, time.perf_counter() - start
+
+
+if __name__ == "__main__":
+    from simulations.command.command import comm
+
+    sys.stdout = sys.stderr  # whatever is said, it is not an answer
+    lines = {}
+    for case, (words, _) in REFUSED.items():
+        found = comm.gather(refusal(words))
+        lines[case] = found
+    if comm.rank == 0:
+        json.dump(lines, sys.__stdout__)

@@ -1,0 +1,119 @@
+"""Wrong input: one line that names key, value and what is allowed; exit code 2; nothing written; at once."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+
+import pytest
+from conftest import MPI_ENVIRONMENT, ROOT, coarse_arguments, run_command
+from refusals import REFUSED, SCENES, refusal, write_scenes
+
+from simulations.scene.language import SceneError
+from simulations.scene.scene import DEFAULT_SCENE, parse
+
+SECONDS = 5
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    write_scenes(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def check(line, words):
+    assert line is not None, "not refused"
+    assert line.isprintable() and len(line) < 1000, line
+    for word in words:
+        assert word in line
+
+
+def test_there_are_many():
+    assert len(REFUSED) >= 100
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_one_line_and_nothing_written(case, folder, capfd):
+    arguments, words = REFUSED[case]
+    line, seconds = refusal(arguments)
+    check(line, words)
+    assert seconds < SECONDS
+    assert capfd.readouterr() == ("", "")
+    assert sorted(path.name for path in folder.iterdir()) == sorted(SCENES)
+
+
+def test_all_of_them_on_three_ranks(folder):
+    """Every rank raises the same line, in step with the others."""
+    command = [shutil.which("mpirun"), "-n", "3", sys.executable, str(ROOT / "tests" / "scene" / "refusals.py")]
+    environment = os.environ | MPI_ENVIRONMENT | {"PYTHONPATH": str(ROOT)}
+    done = subprocess.run(command, env=environment, timeout=300, text=True, capture_output=True, cwd=folder)
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout)
+    assert set(found) == set(REFUSED)
+    for case, by_rank in found.items():
+        for line, seconds in by_rank:
+            check(line, REFUSED[case][1])
+            assert seconds < SECONDS
+    assert sorted(path.name for path in folder.iterdir()) == sorted(SCENES)
+
+
+@pytest.mark.parametrize("ranks", [1, 3])
+@pytest.mark.parametrize("case", ["misspelt key", "absent scene", "output below a file"])
+def test_commands_end_with_code_2(case, ranks, folder):
+    arguments, words = REFUSED[case]
+    done = run_command(*arguments, ranks=ranks, cwd=folder, timeout=60)
+    assert done.returncode == 2
+    assert done.stdout == ""
+    own = done.stderr.split("-" * 40)[0].strip().splitlines()
+    if ranks > 1:  # mpirun has a box of its own above, and lines in brackets on how its ranks ended
+        own = [line for line in own if line and not line.startswith("[")]
+    assert len(own) == 1, done.stderr
+    check(own[0], words)
+
+
+NEEDED = ("solid.E0", "solid.k", "solid.nu", "indenter.R", "load.P", "load.mu", "load.amplitude")
+
+
+@pytest.mark.parametrize("key", NEEDED)
+def test_missing_key_is_named(key):
+    name = key.partition(".")[2]
+    text = "\n".join(line for line in DEFAULT_SCENE.splitlines() if not line.startswith(f"{name} "))
+    with pytest.raises(SceneError, match=f"{key} is missing"):
+        parse(text)
+
+
+def test_no_room_for_results(tmp_path):
+    """A limit on the size of files stands for a disk that has no room: it needs no rights."""
+    program = (
+        "import resource; from simulations.command.command import run; from simulations.fretting import main; "
+        "resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000)); run(main)"
+    )
+    command = [sys.executable, "-c", program, "--output", str(tmp_path / "a" / "b")]
+    environment = os.environ | MPI_ENVIRONMENT | {"PYTHONPATH": str(ROOT), "PYTHONDONTWRITEBYTECODE": "1"}
+    done = subprocess.run(command, env=environment, timeout=60, text=True, capture_output=True, cwd=ROOT)
+    assert done.returncode == 2, done.stderr
+    assert len(done.stderr.splitlines()) == 1 and "cannot be written: File too large" in done.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_other_commands_refuse_in_one_line_too(folder):
+    done = run_command("--ouput", "x", cwd=folder, module="simulations.indentation")
+    assert done.returncode == 2 and len(done.stderr.splitlines()) == 1
+
+
+@pytest.mark.parametrize("stream", ["/dev/full", "closed pipe"])
+def test_nobody_listens(stream, tmp_path):
+    """Where standard output cannot take any more the run goes on and its files are whole."""
+    command = [sys.executable, "-m", "simulations.fretting", *coarse_arguments(tmp_path / "run")]
+    environment = os.environ | MPI_ENVIRONMENT | {"PYTHONPATH": str(ROOT)}
+    if stream == "closed pipe":
+        read, write = os.pipe()
+        os.close(read)
+    else:
+        write = os.open(stream, os.O_WRONLY)
+    done = subprocess.run(command, env=environment, timeout=120, stdout=write, stderr=subprocess.PIPE, cwd=ROOT)
+    os.close(write)
+    assert done.returncode == 0, done.stderr
+    assert json.loads((tmp_path / "run" / "summary.json").read_text())["converged"]

@@ -1,0 +1,144 @@
+"""What a loop costs, counted: factorisations of the bulk, inverses and products of the dense step. Seconds are in
+docs/cost.md.
+"""
+
+import numpy as np
+import pytest
+from conftest import run_command
+from solving import coarse_simulation, solved
+
+from simulations.fem.body import Y
+from simulations.fem.mesh import Grading
+from simulations.scene.scene import DEFAULT_SCENE
+from simulations.solvers.condensed import schur
+from simulations.solvers.condensed.mirror import parts
+from simulations.solvers.condensed.system import CARRIED, CondensedSystem
+from simulations.solvers.condensed.tangent import DenseTangent
+
+
+def factorisations(work):
+    before = schur.factorisations
+    result = work()
+    return schur.factorisations - before, result
+
+
+def test_a_loop_factorises_each_half_once():
+    count, simulation = factorisations(lambda: solved(solver__increments=10))
+    assert len(simulation.history.entries) == 51
+    assert count == 2
+    halves = parts(simulation.body)
+    assert [half.is_half for half in halves] == [True, True]
+    assert sum(len(half.dofs) for half in halves) == simulation.body.unknowns
+
+
+def test_a_mesh_without_mirror_is_solved_whole():
+    """The same loop on a mesh whose left half is another than its right: no halves, nearly the same numbers."""
+    grading = coarse_simulation().cells
+    lopsided = Grading(
+        tuple(e if e > 0 else 1.03 * e for e in grading.edges),
+        grading.facet,
+        grading.edge_facet,
+        grading.growth,
+        grading.first_layer,
+        grading.layer_growth,
+        grading.extent,
+    )
+    count, simulation = factorisations(lambda: solved(cells=lopsided))
+    assert count == 1
+    assert [half.is_half for half in parts(simulation.body)] == [False]
+    energy = solved().history.dissipated_energy
+    assert simulation.history.dissipated_energy == pytest.approx(energy, rel=2e-2)
+
+
+@pytest.mark.parametrize("k", [0.3, -0.5])
+def test_responses_solve_the_whole_body(k):
+    """A force on one side and its response, recovered in the whole body, leave no residual in the stiffness."""
+    simulation = coarse_simulation(solid__k=k, solid__nu=0.3)
+    body, compliance = simulation.body, simulation._compliance
+    response = compliance.response((0, 1))
+    forces = np.zeros(2 * compliance.n)
+    forces[[3, compliance.n + 5]] = 1.0, -2.0
+    compliance.body.set_far_field((0.0, 0.0))
+    compliance.put(response.apply(forces))
+    compliance.recover()
+    residual = body.stiffness.createVecLeft()
+    body.stiffness.mult(body.state.x.petsc_vec, residual)
+    residual.array[body.fixed_dofs] = 0.0
+    residual.array[compliance._surface_dofs.T.ravel()] -= forces
+    assert np.abs(residual.array).max() < 1e-9 * 2.0
+
+
+@pytest.mark.parametrize("ranks", [1, 2, 3])
+def test_what_ranks_share(ranks):
+    """Columns of the mesh and products of dense matrices: every check of ``ranks.py`` on every rank."""
+    done = run_command(ranks=ranks, module="tests.ranks", timeout=60)
+    assert (done.returncode, done.stdout) == (0, f"as many as {ranks}\n"), done.stderr
+
+
+def test_dense_steps_reuse_what_they_know(monkeypatch):
+    """One inverse serves a stage; only rows that neither opened nor slid are multiplied with the response again, and
+    those of a node that sticks are kept.
+    """
+
+    def further_products():
+        simulation = solved(solver__increments=6)
+        counts = simulation.solver._newton.system.dense.counts
+        iterations = sum(entry.iterations for entry in simulation.history.entries)
+        rows = 2 * simulation.sampler.x.size
+        assert counts.inverses == 1
+        assert counts.rows < 0.5 * iterations * rows
+        return counts.products - rows
+
+    kept = further_products()
+    monkeypatch.setattr(DenseTangent, "_known_rows", DenseTangent._full_rows)
+    assert kept < 0.1 * further_products()
+
+
+def test_displacements_carried_from_step_to_step_keep_their_digits(monkeypatch):
+    """First steps may be much too long: what cancels there must not stay in the last digits."""
+    after_step, defects = CondensedSystem._after_step, []
+
+    def compared(self, forces):
+        found, exact = after_step(self, forces), self._displacement(forces)
+        force = self.problem.force_per_digit / np.finfo(float).eps * np.abs(found - exact).max()
+        defects.append(force / self._load[Y])
+        return found
+
+    monkeypatch.setattr(CondensedSystem, "_after_step", compared)
+    solved(solid__k=0.0, solid__nu=0.3)
+    assert 0.0 < max(defects) < 10 * CARRIED
+
+
+def test_a_further_loop_takes_the_body_over():
+    """Other friction, amplitude, load and cylinder on the same solid: no factorisation, the numbers of a run of its
+    own.
+    """
+    other = DEFAULT_SCENE.replace("mu = 0.3", "mu = 0.5").replace("R = 0.1", "R = 0.2").replace("0.9 ", "0.6 ")
+    first = solved()
+    alone = coarse_simulation(
+        other.replace("y0_over_a0 = 10.0", f"y0 = {first.scene['solid.y0']!r}"), cells=first.cells
+    )
+    for _ in alone.run():
+        pass
+
+    def again():
+        simulation = coarse_simulation(
+            other.replace("y0_over_a0 = 10.0", f"y0 = {first.scene['solid.y0']!r}"), like=first
+        )
+        for _ in simulation.run():
+            pass
+        return simulation
+
+    count, further = factorisations(again)
+    assert count == 0
+    assert further.body is first.body
+    assert further.history.dissipated_energy == pytest.approx(alone.history.dissipated_energy, rel=1e-9)
+    for one, own in zip(further.history.entries, alone.history.entries, strict=True):
+        scale = own.surface.pressure.max()
+        assert one.surface.traction == pytest.approx(own.surface.traction, abs=1e-8 * scale)
+
+
+def test_another_solid_is_refused():
+    first = coarse_simulation()
+    with pytest.raises(ValueError, match="another solid"):
+        coarse_simulation(solid__nu=0.2, like=first)

@@ -1,0 +1,131 @@
+"""Energy maps: their points are loops, one loop serves every depth, and a stopped map goes on where it was."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+from conftest import MPI_ENVIRONMENT, ROOT, run_command
+from mpi4py import MPI
+
+from analytic import GradedHalfPlane, ProfileContact
+from simulations.studies.loops import simulate
+from simulations.studies.mapping.answers import answer
+from simulations.studies.mapping.points import Energies, Point, by_simulation, by_theory, depth_factors, load, profile
+from simulations.studies.mapping.store import Store
+from simulations.studies.paper import energies
+from simulations.studies.paper.elements import Runs
+from simulations.studies.paper.setting import MU, contact, own_units
+
+POINT = Point(k=0.5, amplitude=0.6, m=2.0, nu=0.4, mu=0.3)  # at the Holl ratio
+
+
+@pytest.mark.parametrize("k", [-0.5, 0.4])
+@pytest.mark.parametrize("depth", [0.01, 10.0])
+def test_depth_factor_of_the_energy(k, depth):
+    """The map's theory is Figure 8's curve, which takes y0 directly."""
+    found = by_theory(Point(k, 0.7, 2.0, 0.3, 0.3)).energy * depth_factors(k, 2.0, depth)[0]
+    assert found == pytest.approx(float(energies.curve(k, depth, 0.7)), rel=1e-12)
+
+
+@pytest.mark.parametrize("m", [1.5, 2.0, 4.0])
+def test_profiles_share_the_homogeneous_half_width(m):
+    solid = GradedHalfPlane(E0=1.0, nu=0.3, k=0.0, y0=1.0)
+    assert ProfileContact.from_load(solid, profile(m, 0.3), load(0.3), 10.0).a == pytest.approx(1.0, rel=1e-12)
+
+
+def test_depth_factors_hold_with_coupling():
+    """The same loop at another y0, blunt profile, k < 0; the discretisation scales along."""
+    k, m, depth = -0.3, 4.0, 20.0
+    point = Point(k, 0.6, m, 0.3, 0.3)
+    solid = GradedHalfPlane(E0=1.0, nu=0.3, k=k, y0=depth)
+    loop = simulate(solid, profile(m, 0.3), load(0.3), 0.3, 0.6)
+    unit = 0.3**2 * load(0.3)
+    here, factors = by_simulation(point), depth_factors(k, m, depth)
+    assert loop.dissipated_energy / (unit / 2) == pytest.approx(here.energy * factors[0], rel=1e-4)
+    assert loop.peak_density()[0] / unit == pytest.approx(here.density * factors[1], rel=2e-3)
+
+
+def test_simulation_is_the_theory_where_that_is_exact():
+    """At the Holl ratio, 100 nodes: energy to 1e-3, its peak density to 1e-2."""
+    simulated, theory = by_simulation(POINT), by_theory(POINT)
+    assert simulated.energy == pytest.approx(theory.energy, rel=1e-3)
+    assert simulated.density == pytest.approx(theory.density, rel=1e-2)
+
+
+def test_density_sums_up_to_the_energy():
+    """0.2 per cent: trapezoids between the states' nodes."""
+    solid = GradedHalfPlane(E0=1.0, nu=0.3, k=0.3, y0=1.0)
+    loop = simulate(solid, profile(2.0, 0.3), load(0.3), 0.3, 0.9)
+    x = np.linspace(-2.5, 2.5, 4001)
+    assert np.trapezoid(loop.energy_density(x), x) == pytest.approx(loop.dissipated_energy, rel=2e-3)
+
+
+def test_coupling_takes_energy_at_a_stiff_surface():
+    """k = -0.5, blunt, low load: less than half of what the theory says, as the coupling map shows."""
+    point = Point(-0.5, 0.4, 4.0, 0.3, 0.3)
+    assert by_simulation(point).energy < 0.5 * by_theory(point).energy
+
+
+@pytest.mark.slow
+def test_finite_elements_find_the_same_energy():
+    """Where coupling takes a third of the theory's energy: 0.634 of it is left, by the same increments of both."""
+    k, nu, amplitude = -0.5, 0.3, 0.6
+    normal = contact(k, 1.0, nu)
+    mesh_free = simulate(normal.solid, profile(2.0, nu), normal.P, MU, amplitude, cycles=1, attempts=((6, 200),))
+    elements = Runs(MPI.COMM_SELF).loop(k, nu, amplitude, coupling=True).energy * own_units(normal, MU).energy
+    assert elements == pytest.approx(mesh_free.dissipated_energy, rel=1.5e-3)
+    theory = normal.fretting(MU, z=1 - amplitude).dissipated_energy
+    assert elements == pytest.approx(0.634 * theory, rel=2e-3)
+
+
+def test_answers():
+    """Thick grading: the stiffer surface loses least. Thin: it loses most."""
+    found = {p: by_theory(p) for p in (Point(k, 0.6, 2.0, 0.3, 0.3) for k in (-0.5, 0.0, 0.5))}
+    thick, thin = answer(found, "energy", 2.0, 0.6, 10.0), answer(found, "energy", 2.0, 0.6, 0.01)
+    assert (thick.least[0], thick.most[0]) == (-0.5, 0.5)
+    assert (thin.least[0], thin.most[0]) == (0.5, -0.5)
+    homogeneous = float(energies.curve(0.0, 1.0, 0.6))
+    assert thick.most[1] == pytest.approx(float(energies.curve(0.5, 10.0, 0.6)) / homogeneous, rel=1e-9)
+
+
+def test_store_survives_a_line_cut_short(tmp_path):
+    store, other = Store(tmp_path, 0), Point(0.1, 0.6, 2.0, 0.3, 0.3)
+    store.keep(POINT, Energies(1.0, 2.0))
+    path = tmp_path / "loops-0.jsonl"
+    path.write_bytes(path.read_bytes() + b'{"point": {"k": 0.2, "ampl')
+    assert store.read() == {POINT: Energies(1.0, 2.0)}
+    store.keep(other, Energies(3.0, 4.0))
+    assert Store(tmp_path, 5).read() == {POINT: Energies(1.0, 2.0), other: Energies(3.0, 4.0)}
+
+
+@pytest.mark.slow
+def test_a_stopped_map_goes_on(tmp_path):
+    """Killed outright after a few loops; the next run simulates the others only, on two ranks."""
+    grid = ["--k", "-0.2", "-0.1", "0.1", "0.2", "0.3", "--amplitudes", "0.4", "0.8", "--profiles", "2"]
+    arguments = [*grid, "--output", str(tmp_path)]
+    total = 6 * 2  # k = 0 is added
+    command = [sys.executable, "-m", "simulations.studies.maps", *arguments]
+    environment = os.environ | MPI_ENVIRONMENT | {"PYTHONPATH": str(ROOT)}
+    with subprocess.Popen(command, cwd=ROOT, env=environment, stdout=subprocess.DEVNULL) as running:
+        kept, deadline = tmp_path / "loops-0.jsonl", time.time() + 120
+        while not (kept.exists() and kept.read_text().count("\n") >= 2) and time.time() < deadline:
+            time.sleep(0.05)
+        running.send_signal(signal.SIGKILL)
+    before = kept.read_text()
+    finished = before.count("\n")
+    assert 2 <= finished < total
+    done = run_command(*arguments, module="simulations.studies.maps", ranks=2)
+    assert done.returncode == 0, done.stderr
+    assert f"{total} loops, {finished} of them kept" in done.stdout
+    assert kept.read_text().startswith(before[: before.rindex("\n") + 1])
+    records = [json.loads(line) for path in tmp_path.glob("loops-*.jsonl") for line in path.read_text().splitlines()]
+    assert len(records) == total  # none twice
+    for name in ("map_theory", "map_profiles", "map_loads", "map_coupling"):
+        assert (tmp_path / f"{name}.png").stat().st_size > 1e4
+        assert (tmp_path / f"{name}.pdf").read_bytes().startswith(b"%PDF")
+    assert "least energy" in (tmp_path / "maps.md").read_text()

@@ -1,0 +1,341 @@
+"""Hard cases: each cure, and that without it the case fails; refusals by name; a part of the matrix."""
+
+import csv
+import json
+
+import numpy as np
+import pytest
+from conftest import coarse_arguments, run_command
+from mpi4py import MPI
+from solving import coarse_simulation, solved
+
+from simulations.fem import body
+from simulations.loading.pinning import HeldPoint
+from simulations.loading.stepping import LoadProgramme, SolveError
+from simulations.run import checks
+from simulations.run import expected_edges as edges
+from simulations.run.energy import EnergyMeter, worst_defect
+from simulations.run.limits import expected_error
+from simulations.run.simulation import Simulation
+from simulations.scene import effects
+from simulations.scene.language import SceneError
+from simulations.scene.scene import resolve
+from simulations.solvers import newton
+from simulations.solvers.condensed import tangent
+from simulations.solvers.condensed.tangent import DenseTangent
+from simulations.studies import stability
+from simulations.studies.stability_report import GREEN, REFUSED
+
+SHRINKING = stability.read_cases(["reversals at every level"])["reversals at every level: k -0.5"] | {
+    "load.points": [[1e6, 0.0], [1e6, 1e5], [5e5, 1e5]]
+}
+UNCOUPLED = {"effects__coupling": "false", "solid__nu": 0.3}
+
+
+def iterations(**changes) -> int:
+    """Newton iterations of a coarse loop."""
+    return sum(entry.iterations for entry in solved(**changes).history.entries)
+
+
+# --- each cure, and the case without it -----------------------------------------------------------------------
+
+
+def test_contact_terms_are_integrated_at_the_nodes(monkeypatch):
+    thin = {"solver__method": "full", "mesh__facet": 0.2, "mesh__first_layer": 1e-3, "solver__increments": 1}
+    solved(**thin)
+    monkeypatch.setattr(body, "SURFACE_RULE", {"quadrature_degree": 4})
+    monkeypatch.setattr("simulations.loading.stepping.MAX_CUTS", 0)
+    with pytest.raises(SolveError):
+        solved(**thin)
+
+
+def test_increments_start_with_all_points_sticking(monkeypatch):
+    """Without the predictor reversals make the tangent singular; no other safeguard is needed with it."""
+    failed = newton.NewtonResult(False, 0, np.inf, np.inf, "not tried")
+    for safeguard in ("_guarded", "_fixed_point"):
+        monkeypatch.setattr(LoadProgramme, safeguard, lambda self, load, *results: failed)
+    monkeypatch.setattr("simulations.loading.stepping.MAX_CUTS", 0)
+    solved()
+    solve = newton.Newton.solve
+    monkeypatch.setattr(newton.Newton, "solve", lambda self, load, predict=None, **how: solve(self, load, **how))
+    with pytest.raises(SolveError, match=r"unloading.*singular"):
+        solved()
+
+
+def test_near_incompressibility_chatters_without_the_mean_stress(monkeypatch):
+    mixed = iterations(solid__nu=0.49, solid__k=0.0)
+    monkeypatch.setattr(effects, "LOCKING", 0.499)
+    assert iterations(solid__nu=0.49, solid__k=0.0) > 2 * mixed
+
+
+def test_tolerance_follows_round_off(monkeypatch):
+    thin = UNCOUPLED | {"solid__k": -0.7, "mesh__first_layer": 1e-4}
+    history = solved(**thin).history
+    assert newton.FORCE_TOLERANCE < max(entry.residual for entry in history.entries) < newton.ATTAINABLE
+    monkeypatch.setattr(newton, "ATTAINABLE", newton.FORCE_TOLERANCE)  # whatever round-off there is
+    solved(**UNCOUPLED)
+    with pytest.raises(SolveError):
+        solved(**thin)
+
+
+def test_first_contact_has_facets_enough(monkeypatch):
+    """Pressed on with little friction, few points all slide at first, and one has to be held; of more some stick."""
+    monkeypatch.setattr(HeldPoint, "update", lambda self: False)
+    scene = {"solid__k": -0.5, "solid__nu": 0.3, "load__mu": 0.01, "effects__friction_in_normal_stage": "true"}
+    simulation = solved(**scene)
+    assert len(simulation.history.entries) == len(simulation.programme)
+    monkeypatch.setattr(edges, "FIRST", 0.5)
+    with pytest.raises(SolveError, match="singular"):
+        solved(**scene)
+
+
+def test_a_cycle_ends_at_once(monkeypatch):
+    scene = {"solid__nu": 0.3, "effects__friction_in_normal_stage": "true"}
+    quick = iterations(**scene)
+    monkeypatch.setattr(newton, "ROUNDS", 10**9)
+    assert iterations(**scene) > 1.8 * quick
+
+
+def wiggles(**changes) -> float:
+    """Of pressure or traction, the most of all states of a loop."""
+    simulation = solved(**changes)
+    found = checks.check(simulation.history, simulation.scaled.indenter.height, True)
+    return max(found[name].value for name in ("pressure wiggles", "traction wiggles"))
+
+
+def test_newcomers_stop_where_their_edge_passed(monkeypatch):
+    """Pressed on with friction: anchored all where the increment began they leave a tooth of traction an increment."""
+    pressed = {"solid__nu": 0.3, "effects__friction_in_normal_stage": "true", "load__cycles": 0}
+    assert wiggles(**pressed) < checks.WIGGLES
+    monkeypatch.setattr("simulations.loading.stepping.SETTLINGS", 0)
+    assert wiggles(**pressed) > 2 * checks.WIGGLES
+
+
+def test_mesh_is_fine_where_steep_edges_move(monkeypatch):
+    steep = {"solid__nu": 0.3, "solid__k": -0.7, "mesh__edge_facet": 0.01, "mesh__facet": 0.05, "mesh__growth": 1.3}
+    assert wiggles(**steep) < checks.WIGGLES
+    monkeypatch.setattr(edges.ExpectedEdges, "sweeps", lambda *sizes: ())
+    assert wiggles(**steep) > 2 * checks.WIGGLES
+
+
+def test_steps_are_refined(monkeypatch):
+    """Box-like pressure on fine facets: forces of 1e7 P cancel in the first step."""
+    box = {"solid__k": -0.9, "solid__nu": 0.3, "mesh__facet": 0.05, "mesh__edge_facet": 5e-3, "mesh__first_layer": 5e-3}
+    solved(**box, load__cycles=0)
+    solve = DenseTangent.solve
+    monkeypatch.setattr(DenseTangent, "solve", lambda self, b, load: solve(self, b, np.inf))  # over b alone
+    with pytest.raises(SolveError):
+        solved(**box, load__cycles=0)
+    monkeypatch.setattr(DenseTangent, "solve", solve)
+    monkeypatch.setattr(tangent, "EXACT", np.inf)
+    with pytest.raises(SolveError):
+        solved(**box, load__cycles=0)
+
+
+def test_last_point_that_sticks_is_held(monkeypatch):
+    """Under a constant Q the contact shrinks until all but one point slide, towards each other."""
+
+    def shrunk():
+        return Simulation(MPI.COMM_SELF, resolve(SHRINKING)).run_to_end()
+
+    assert shrunk().history.entries[-1].increment.load == pytest.approx((0.1, 0.5))
+    monkeypatch.setattr(HeldPoint, "update", lambda self: False)
+    with pytest.raises(SolveError, match="singular"):
+        shrunk()
+
+
+def test_held_point_on_any_ranks_by_either_method(tmp_path):
+    scene = tmp_path / "shrinking.toml"
+    scene.write_text("".join(f"{key} = {json.dumps(value)}\n" for key, value in SHRINKING.items()))
+    ends = []
+    for ranks, method in ((1, "condensed"), (2, "condensed"), (3, "condensed"), (2, "full")):
+        folder = tmp_path / f"{method} {ranks}"
+        done = run_command(scene, "--set", f"solver.method={method}", "--output", folder, ranks=ranks)
+        assert done.returncode == 0, done.stderr
+        with open(folder / "history.csv", newline="") as file:
+            last = list(csv.DictReader(file))[-1]
+        ends.append([float(last[name]) for name in ("delta_x[m]", "delta_y[m]", "a[m]", "dissipated_energy[J/m]")])
+    for end in ends[1:]:
+        assert end == pytest.approx(ends[0], rel=1e-7)
+
+
+def test_thin_cells_are_kept():
+    """gmsh merges points closer than 1e-8 of the domain by default."""
+    solved(**UNCOUPLED, solid__k=0.0, mesh__first_layer=1e-6, solver__increments=1)
+
+
+# --- refusals ------------------------------------------------------------------------------------------------
+
+REFUSALS = {
+    "slip zone": ({"load__amplitude": 0.01}, ("mesh.edge_facet", "slip zone", "load.amplitude = 0.01")),
+    "steep ends": ({"solid__k": -0.9, "solid__nu": 0.3}, ("mesh.edge_facet", "k = -0.9")),
+    "round-off": ({"solid__k": -0.7, "solid__nu": 0.3, "mesh__first_layer": 1e-6}, ("mesh.first_layer", "round-off")),
+    "gamma0": ({"solver__gamma0": 0.1}, ("solver.gamma0 = 0.1", "0.3")),
+    "surface nodes": ({"mesh__facet": 1e-3, "mesh__extent": 1e4}, ("surface nodes", "mesh.facet")),
+    "unknowns": (
+        {"mesh__edge_facet": 1e-6, "mesh__growth": 1.02, "mesh__layer_growth": 1.02},
+        ("unknowns", "mesh.growth"),
+    ),
+}
+
+
+@pytest.mark.parametrize("changes, words", REFUSALS.values(), ids=REFUSALS.keys())
+def test_refused_by_name(changes, words):
+    with pytest.raises(SceneError) as refusal:
+        coarse_simulation(**changes)
+    assert "\n" not in str(refusal.value)
+    for word in words:
+        assert word in str(refusal.value)
+
+
+@pytest.mark.parametrize("name", ["slip zone", "steep ends"])
+def test_what_a_refusal_asks_for_is_accepted(name):
+    changes, _ = REFUSALS[name]
+    with pytest.raises(SceneError) as refusal:
+        coarse_simulation(**changes)
+    needed = float(str(refusal.value).rsplit(" or less", 1)[0].rsplit(maxsplit=1)[-1])
+    coarse_simulation(**changes | {"mesh__edge_facet": needed, "mesh__first_layer": needed})
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_refusal_as_the_user_sees_it(tmp_path, ranks):
+    done = run_command(*coarse_arguments(tmp_path, load__amplitude=0.01), ranks=ranks, timeout=120)
+    assert done.returncode == 2
+    assert sum("slip zone" in line for line in done.stderr.splitlines()) == 1
+    assert "Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize("k, measured", [(-0.5, 7.1e-3), (-0.7, 3.1e-2), (-0.8, 3.2e-2)])
+def test_expected_error_is_about_the_measured_one(k, measured):
+    size = 0.02 if k > -0.8 else 0.01
+    assert 0.5 * measured < expected_error(k, size) < 2 * measured
+
+
+@pytest.mark.parametrize("degree", [1, 2, 3])
+def test_too_many_unknowns(monkeypatch, degree):
+    """The limit is met to the unknown, at every degree; a mixed form's mean stress comes on top."""
+    unknowns = coarse_simulation(mesh__degree=degree).body.unknowns
+    monkeypatch.setattr("simulations.run.limits.MOST_UNKNOWNS", unknowns)
+    coarse_simulation(mesh__degree=degree)
+    monkeypatch.setattr("simulations.run.limits.MOST_UNKNOWNS", unknowns - 1)
+    with pytest.raises(SceneError, match="too fine"):
+        coarse_simulation(mesh__degree=degree)
+
+
+# --- checks --------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def loop():
+    simulation = coarse_simulation(solid__nu=0.3)
+    meter = EnergyMeter(simulation.body)
+    for entry in simulation.run():
+        meter.read(entry)
+    return simulation, meter
+
+
+def test_energy_balances_exactly_in_every_increment(loop):
+    assert worst_defect(loop[1].steps) < 1e-9
+
+
+def test_energy_balance_sees_a_wrong_displacement():
+    simulation = coarse_simulation()
+    meter = EnergyMeter(simulation.body)
+    for entry in simulation.run():
+        entry.surface.u[0] *= 1.001
+        meter.read(entry)
+    assert worst_defect(meter.steps) > 1e-4
+
+
+def test_work_in_a_cycle_tends_to_what_is_dissipated():
+    """Both sums over increments have an error that falls like their square."""
+    defects = []
+    for increments in (4, 8):
+        simulation = coarse_simulation(solver__increments=increments)
+        meter = EnergyMeter(simulation.body)
+        for entry in simulation.run():
+            meter.read(entry)
+        cycle = meter.steps[-len(simulation.history.last_cycle) :]
+        lost = sum(step.indenter + step.boundary - step.stored for step in cycle)
+        defects.append(abs(lost / simulation.history.dissipated_energy - 1))
+    assert defects[1] < 0.4 * defects[0] < 0.02
+
+
+def test_checks_hold_and_see_what_is_wrong(loop):
+    simulation, _ = loop
+    history, height = simulation.history, simulation.scaled.indenter.height
+    assert all(check.holds for check in checks.check(history, height).values())
+    surface = history.entries[-1].surface
+    saved = surface.pressure.copy(), surface.traction.copy()
+    inside = np.flatnonzero(surface.pressure > 0)
+    surface.pressure[inside[::2]] *= 1.1
+    surface.traction[inside[::2]] *= 1.1
+    found = checks.check(history, height)
+    surface.pressure[:], surface.traction[:] = saved
+    assert {name for name, check in found.items() if not check.holds} >= {
+        "load balance",
+        "pressure wiggles",
+        "traction wiggles",
+    }
+    surface.traction[inside] *= -1.0
+    found = checks.check(history, height)
+    surface.traction[:] = saved[1]
+    assert not found["slip against q"].holds
+
+
+def test_user_sees_checks_and_changing_states(tmp_path):
+    done = run_command(*coarse_arguments(tmp_path, solid__nu=0.3))
+    assert "checks hold" in done.stdout
+    found = json.loads((tmp_path / "summary.json").read_text())["checks"]
+    assert found["load balance"]["holds"] and found["|q| <= mu p"]["value"] <= found["|q| <= mu p"]["limit"]
+    with open(tmp_path / "history.csv", newline="") as file:
+        changed = [list(map(int, row["states_changed"].split())) for row in csv.DictReader(file)]
+    assert max(map(max, filter(None, changed))) > 0
+
+
+def test_steady_loop_does_not_drift():
+    assert checks.drift(solved(solid__nu=0.3, load__cycles=5, solver__increments=1).history) < 1e-9
+
+
+def test_ranks_without_contact(tmp_path):
+    """A wide domain on four ranks: some hold no contact facet, and the loop is the same."""
+    changes = {"mesh__extent": 1000.0, "mesh__facet": 0.2, "mesh__edge_facet": 0.05, "solver__increments": 1}
+    energies = []
+    for ranks in (1, 4):
+        done = run_command(*coarse_arguments(tmp_path, **changes), ranks=ranks, timeout=300)
+        assert done.returncode == 0, done.stderr
+        energies.append(json.loads((tmp_path / "summary.json").read_text())["dissipated_energy"])
+    assert energies[1] == pytest.approx(energies[0], rel=1e-7)
+
+
+# --- the matrix ----------------------------------------------------------------------------------------------
+
+
+def outcomes(names) -> dict[str, str]:
+    """How cases ended, by name."""
+    cases = stability.read_cases()
+    return {name: stability.solve(cases[name])["outcome"] for name in names}
+
+
+def test_a_part_of_the_matrix():
+    names = list(stability.read_cases())[::14]
+    ended = outcomes(names)
+    assert set(ended.values()) <= {GREEN, REFUSED}, ended
+    refused = [name for name, outcome in ended.items() if outcome == REFUSED]
+    assert [name.split(":")[0] for name in refused] == ["box pressure", "small amplitude"], refused
+
+
+def test_the_command_writes_and_resumes(tmp_path):
+    arguments = ["--output", str(tmp_path), "--only", "units"]
+    first = run_command(*arguments, module="simulations.studies.stability", ranks=2)
+    assert first.returncode == 0, first.stderr
+    assert "4 cases: 4 converged" in first.stdout
+    for name in ("stability.csv", "stability.md", "stability.png"):
+        assert (tmp_path / name).stat().st_size > 0
+    again = run_command(*arguments, module="simulations.studies.stability")
+    assert "units:" not in again.stdout and "4 cases: 4 converged" in again.stdout
+
+
+def test_an_unknown_study_is_one_line():
+    done = run_command("--only", "nonsense", module="simulations.studies.stability")
+    assert done.returncode == 2 and len(done.stderr.strip().splitlines()) == 1
