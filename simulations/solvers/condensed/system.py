@@ -17,8 +17,6 @@ from ...fem.contact_problem import ContactProblem
 from .compliance import Compliance
 from .tangent import DenseTangent
 
-CARRIED = 1e-11  # forces that the last digits of a displacement make, over the load, up to which it is carried over
-
 
 class CondensedSystem:
     """Unknowns: nodal forces, direction by direction, then delta; all on rank 0, which leads the others."""
@@ -55,8 +53,7 @@ class CondensedSystem:
             self._constant = compliance.far @ self._load
             if held is not None:
                 self._constant += self._held[1]
-        self._shown = None, None  # the last forces shown, and their displacement ...
-        self._largest = 0.0  # ... and the largest of those that it was carried over from
+        self._shown = None, None  # the last forces shown, and their displacement
         strip = compliance.strip_values()
         if self._left is not None and np.array_equal(strip, self._left[0]):
             forces = self._left[1]
@@ -64,7 +61,7 @@ class CondensedSystem:
             forces = self._contact_forces()
         if self._is_root:
             displacement = self._displacement(forces)
-            self._shown, self._largest = (forces, displacement), np.abs(displacement).max()
+            self._shown = forces, displacement
             self._offset = strip - displacement
         self._has_offset = self._comm.bcast(bool(np.any(self._offset)))
         self._put(np.concatenate([forces, body.delta.value[self._rigid]]), x)
@@ -137,24 +134,11 @@ class CondensedSystem:
     def _strip(self, forces, with_offset):
         """Displacements (r,) of the strip under ``forces``, with the offset or without."""
         if not np.array_equal(forces, self._shown[0]):
-            self._shown = forces, self._after_step(forces)
+            self._shown = forces, self._displacement(forces)
         return self._shown[1] + self._offset if with_offset else self._shown[1]
 
     def _displacement(self, forces):
         return self._constant + self._response.apply(forces)
-
-    def _after_step(self, forces):
-        """``_displacement``, without a product with R where the dense step that led here has just made it."""
-        before, displacement = self._shown
-        step, moved = self.dense.moved
-        if before is not None and step is not None and np.array_equal(forces, before - step):
-            after = displacement - moved
-            self._largest = max(self._largest, np.abs(after).max())
-            if self.problem.force_per_digit * self._largest <= CARRIED * abs(self._load[Y]):
-                return after
-        after = self._displacement(forces)
-        self._largest = np.abs(after).max()
-        return after
 
     def _contact_forces(self):
         nodal = self.problem.contact_forces(self.compliance.surface)[:, self._rigid]

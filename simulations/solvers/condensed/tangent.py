@@ -46,7 +46,6 @@ class DenseTangent:
         self._singular: bool = False
         self._known: dict[int, tuple[np.ndarray, np.ndarray]] = {}  # rows of T and of J, by their number
         self.counts = Counts()
-        self.moved: tuple = (None, None)  # forces last multiplied with R, and the displacements that they make
 
     def factorise(self, tangent: csr_matrix):
         """Prepare ``solve`` for T (mn, r)."""
@@ -110,8 +109,7 @@ class DenseTangent:
 
     def multiply(self, x: np.ndarray) -> np.ndarray:
         """J x."""
-        self.moved = x[: self._size], self._response.apply(x[: self._size])
-        strip = self.moved[1] - self._translations @ x[self._size :]
+        strip = self._response.apply(x[: self._size]) - self._translations @ x[self._size :]
         return np.concatenate([x[: self._size] + self._tangent @ strip, self._sums @ x])
 
     def _states(self, tangent):
