@@ -40,6 +40,8 @@ class Compliance:
         for number in range(self.comm.rank, self.comm.rank + len(found), self.comm.size):
             self._add(found[number] if number < len(found) else Part(NONE), inner, interface, loads)
         self.far = self.comm.reduce(self.far)
+        blocks = self.comm.gather(self._blocks)
+        self._blocks = [block for rank in blocks for block in rank] if blocks else []
 
     def response(self, directions: tuple[int, ...]) -> Response:
         """This rank's share of R (r, mn) to unit forces along ``directions``, one after the other."""

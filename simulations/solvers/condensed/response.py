@@ -8,8 +8,6 @@ from functools import cached_property
 import numpy as np
 from scipy.sparse import csr_matrix
 
-from .workers import Workers
-
 
 @dataclass(frozen=True)
 class Response:
@@ -48,21 +46,3 @@ class Response:
         for rows, dense, place in self.blocks:
             product += (place @ ((left @ rows) @ dense).T).T
         return product
-
-
-class SharedResponse:
-    """The whole of R for rank 0, to whose products every rank adds that of its ``share``."""
-
-    def __init__(self, workers: Workers, share: Response):
-        self.shape = share.shape
-        self._workers = workers
-        workers.can("R f", share.apply)
-        workers.can("T R", share.times)
-
-    def apply(self, forces: np.ndarray) -> np.ndarray:
-        """R @ forces, (r,) from (c,)."""
-        return self._workers.sum("R f", forces)
-
-    def times(self, left: csr_matrix) -> np.ndarray:
-        """left @ R, (g, c) from a sparse (g, r)."""
-        return self._workers.sum("T R", left)
