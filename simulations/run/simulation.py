@@ -19,7 +19,7 @@ from ..loading.stepping import LoadProgramme, SolveError
 from ..scene.effects import Effects
 from ..scene.scaling import Scaled
 from ..scene.scene import Scene
-from ..solvers.condensed.compliance import Compliance
+from ..solvers.condensed.surface_compliance import SurfaceCompliance
 from ..solvers.condensed.system import CondensedSystem
 from ..solvers.full import FullSystem
 from .expected_edges import expected_edges
@@ -183,7 +183,7 @@ class Simulation:
 
     @cached_property
     def _compliance(self):
-        return Compliance(self.body)
+        return SurfaceCompliance(self.body)
 
     def _far_field(self):
         """Displacement of line loads: far away a coating is not seen."""

@@ -1,1 +1,1 @@
-"""What is asked: the scene as text and as data, checked, resolved to numbers and scaled; which effects are on, and why."""
+"""What is asked: the scene, checked, resolved to numbers and scaled; which effects are on, and why."""

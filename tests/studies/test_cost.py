@@ -52,11 +52,11 @@ def test_responses_solve_the_whole_body(k):
     """A force on one side and its response, recovered in the whole body, leave no residual in the stiffness."""
     simulation = coarse_simulation(solid__k=k, solid__nu=0.3)
     body, compliance = simulation.body, simulation._compliance
-    response = compliance.response((0, 1))
+    matrix = compliance.matrix((0, 1))
     forces = np.zeros(2 * compliance.n)
     forces[[3, compliance.n + 5]] = 1.0, -2.0
     compliance.body.set_far_field((0.0, 0.0))
-    compliance.put(response.apply(forces))
+    compliance.put(matrix.apply(forces))
     compliance.recover()
     residual = body.stiffness.createVecLeft()
     body.stiffness.mult(body.state.x.petsc_vec, residual)
