@@ -8,7 +8,7 @@ from mpi4py import MPI
 from simulations.fem.body import X, Y
 from simulations.fem.contact_problem import ContactProblem, Nitsche
 from simulations.run.simulation import Simulation
-from simulations.scene.scene import DEFAULT_SCENE, parse
+from simulations.scene import DEFAULT_SCENE, parse
 from simulations.solvers.condensed.compliance import Compliance
 from simulations.solvers.condensed.system import CondensedSystem
 from simulations.solvers.full import FullSystem
@@ -68,7 +68,7 @@ def perturbed_problem(simulation, friction, theta, all_stick):
     nitsche, directions = Nitsche(gamma0=3.0, theta=theta), (X, Y) if friction else (Y,)
     problem = ContactProblem(simulation.body, simulation.scaled.indenter.height, nitsche, directions)
     if friction:
-        problem.mu.value = simulation.scene["load.mu"]
+        problem.mu.value = simulation.scene.load.mu
         problem.release()
         problem.anchor.x.array[:] -= 1e-2 * np.random.default_rng(2).random(problem.anchor.x.array.size)
     problem.all_stick.value = all_stick
