@@ -4,8 +4,7 @@ otherwise.
 
 import numpy as np
 
-from ..scene import accuracy
-from ..scene import Scene, make_scene
+from ..scene import Scene, accuracy, make_scene
 from ..scene.effects import Effects
 from .comparison import compare
 from .history import Entry, History

@@ -6,9 +6,9 @@ import numpy as np
 
 from analytic import FrettingLoop, HalfPlaneContact, contact_edges
 
+from ..scene import Scene
 from ..scene.effects import Effects
 from ..scene.scaling import Scaled
-from ..scene import Scene
 from .limits import expected_error, size_for
 
 NODES = 80  # of the half-plane solver: edges to a few 1e-3 of the half-width

@@ -6,9 +6,9 @@ A reference answers for the states of a history; dimensionless, like the history
 from typing import Protocol
 
 import numpy as np
-from analytic.half_plane.state import ContactState
 
 from analytic import CylinderContact, FrettingLoop, ProfileContact
+from analytic.half_plane.state import ContactState
 
 from .expected_edges import half_plane_solver
 from .history import Entry, History

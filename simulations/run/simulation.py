@@ -8,18 +8,18 @@ import numpy as np
 
 from analytic import GradedHalfPlane, point_force_displacement
 
-from ..fem.body import HalfPlane, X, Y
+from ..fem.body import ElasticBody, X, Y
 from ..fem.contact_problem import ContactProblem, Nitsche
-from ..fem.mesh import Grading, columns, half_plane, layers
+from ..fem.mesh import Grading, columns, create_mesh, layers
 from ..fem.numbering import Numbering
 from ..fem.parallel import on_root
 from ..fem.surface import SurfaceSampler
 from ..loading.schedule import pressing, rocking, visiting
 from ..loading.stepping import LoadProgramme, SolveError
+from ..scene import Scene
 from ..scene.effects import Effects
 from ..scene.scaling import Scaled
-from ..scene import Scene
-from ..solvers.condensed.compliance import Compliance
+from ..solvers.condensed.surface_compliance import SurfaceCompliance
 from ..solvers.condensed.system import CondensedSystem
 from ..solvers.full import FullSystem
 from .expected_edges import expected_edges
@@ -59,7 +59,7 @@ class Simulation:
                 check_resolution(scene, self.cells, self.loop)
                 self.ordinates = self._ordinates()
                 check_size(scene, self.cells, *(len(nodes) - 1 for nodes in self.ordinates))
-                mesh, facets = half_plane(comm, *self.ordinates)
+                mesh, facets = create_mesh(comm, *self.ordinates)
             with self.watch("forms"):  # compiles them the first time
                 self.body = self._body(mesh, facets)
         else:
@@ -72,9 +72,9 @@ class Simulation:
             frictional = None
             if scene.friction:
                 directions = (X, Y) if "coupling" in self.effects else (X,)
-                frictional = ContactProblem(self.body, indenter.height, nitsche, directions)
+                frictional = ContactProblem(self.body, indenter.height, nitsche, directions, self.mu)
         self.solver = LoadProgramme(
-            normal, frictional, self._system, self.mu, "friction in normal stage" in self.effects
+            normal, frictional, self._system, "friction in normal stage" in self.effects
         )
         self.body.delta.value[Y] = indenter.height(1.0)  # overlap on |x| < a: where Newton starts
         self.sampler = SurfaceSampler(self.body, normal, scene.friction and "coupling" not in self.effects)
@@ -91,7 +91,7 @@ class Simulation:
 
     def _body(self, mesh, facets):
         scene = self.scene
-        return HalfPlane(
+        return ElasticBody(
             mesh,
             facets,
             self.scaled.modulus,
@@ -183,7 +183,7 @@ class Simulation:
 
     @cached_property
     def _compliance(self):
-        return Compliance(self.body)
+        return SurfaceCompliance(self.body)
 
     def _far_field(self):
         """Displacement of line loads: far away a coating is not seen."""

@@ -12,9 +12,10 @@ from pydantic import Field
 from solving import coarse_simulation, solved
 
 from simulations.fem.body import X, Y
+from simulations.run.reference import NoReference, of_same_physics
 from simulations.run.simulation import Simulation
-from simulations.scene.effects import Effect, Verdict
 from simulations.scene import DEFAULT_SCENE, effects, parse
+from simulations.scene.effects import Effect, Verdict
 from simulations.scene.fields import Number
 from simulations.solvers.newton import bulk_solver
 
@@ -64,6 +65,8 @@ def test_the_new_effect_is_a_key_a_reason_and_a_term(with_springs):
     simulation = Simulation(MPI.COMM_SELF, scene)
     assert "springs" in simulation.effects
     assert "the surface is held" in str(simulation.effects)
+    with pytest.raises(NoReference, match="no reference describes springs"):
+        of_same_physics(simulation)
     bare = coarse_simulation()
     more = simulation.body.constrained_stiffness.norm() - bare.body.constrained_stiffness.norm()
     assert abs(more) > 1e-9 * bare.body.constrained_stiffness.norm()

@@ -9,8 +9,8 @@ from solving import coarse_simulation, deviations, solved
 from analytic import CylinderContact
 from simulations.fem.mesh import Grading, columns
 from simulations.run.comparison import relative_l2
-from simulations.scene.scaling import Scales
 from simulations.scene import DEFAULT_SCENE, parse
+from simulations.scene.scaling import Scales
 
 
 @pytest.fixture(scope="module")

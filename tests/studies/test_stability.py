@@ -17,8 +17,7 @@ from simulations.run import expected_edges as edges
 from simulations.run.energy import EnergyMeter, worst_defect
 from simulations.run.limits import expected_error
 from simulations.run.simulation import Simulation
-from simulations.scene import effects
-from simulations.scene import SceneError, make_scene
+from simulations.scene import SceneError, effects, make_scene
 from simulations.solvers import newton
 from simulations.solvers.condensed import tangent
 from simulations.solvers.condensed.tangent import DenseTangent

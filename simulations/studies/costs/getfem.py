@@ -12,16 +12,16 @@ import getfem
 import numpy as np
 
 from analytic import point_force_displacement
-from forms.depth import DepthMap
+from forms.depth_map import DepthMap
 
 from ...fem.mesh import Grading, columns, layers
 from ...loading.schedule import rocking
 from ...run.comparison import relative_l2
 from ...run.expected_edges import half_plane_solver
 from ...run.reference import NODES
+from ...scene import parse
 from ...scene.effects import Effects
 from ...scene.scaling import Scaled
-from ...scene import parse
 from .cases import GETFEM, Case
 
 CONTACT, FAR = 1, 2

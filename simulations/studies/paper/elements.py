@@ -9,8 +9,8 @@ from analytic import CylinderContact
 from ...fem.mesh import Grading
 from ...run.comparison import relative_l2
 from ...run.simulation import Simulation
-from ...scene.scaling import Scaled
 from ...scene import Scene, make_scene
+from ...scene.scaling import Scaled
 from .setting import MU, Units, own_units
 
 DRAWN = 41  # computed points drawn a curve
