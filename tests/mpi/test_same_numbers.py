@@ -5,7 +5,7 @@ from conftest import coarse_overrides
 from mpi4py import MPI
 
 from simulations.run.simulation import Simulation
-from simulations.scene.scene import DEFAULT_SCENE, parse
+from simulations.scene import DEFAULT_SCENE, parse
 
 comm = MPI.COMM_WORLD
 

@@ -7,7 +7,7 @@ import pytest
 from solving import coarse_simulation, solved
 
 from simulations.fem.mesh import Grading
-from simulations.scene.scene import DEFAULT_SCENE
+from simulations.scene import DEFAULT_SCENE
 from simulations.solvers.condensed import schur
 from simulations.solvers.condensed.mirror import parts
 from simulations.solvers.condensed.tangent import DenseTangent
@@ -91,14 +91,14 @@ def test_a_further_loop_takes_the_body_over():
     other = DEFAULT_SCENE.replace("mu = 0.3", "mu = 0.5").replace("R = 0.1", "R = 0.2").replace("0.9 ", "0.6 ")
     first = solved()
     alone = coarse_simulation(
-        other.replace("y0_over_a0 = 10.0", f"y0 = {first.scene['solid.y0']!r}"), cells=first.cells
+        other.replace("y0_over_a0 = 10.0", f"y0 = {first.scene.solid.y0!r}"), cells=first.cells
     )
     for _ in alone.run():
         pass
 
     def again():
         simulation = coarse_simulation(
-            other.replace("y0_over_a0 = 10.0", f"y0 = {first.scene['solid.y0']!r}"), like=first
+            other.replace("y0_over_a0 = 10.0", f"y0 = {first.scene.solid.y0!r}"), like=first
         )
         for _ in simulation.run():
             pass
