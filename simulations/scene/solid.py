@@ -77,7 +77,7 @@ def modulus(scene: Scene, length: float, stress: float) -> Modulus:
     if kind in ("power law", "power-law coating"):
         return PowerLaw.of(scene.k, E0 * (length / scene["solid.y0"]) ** scene.k, thickness)
     substrate = scene["solid.E_substrate"] / stress
-    return Coating(E0, substrate, thickness, kind == "exponential")  # type: ignore[return-value]
+    return Coating(E0, substrate, thickness, kind == "exponential")
 
 
 def layered_kernel(law: Modulus, solid: GradedHalfPlane) -> LayeredKernel:
