@@ -1,1 +1,1 @@
-"""What uses many runs: cost, stability, ablation, figures, claims, maps, coupling. Each is  python -m simulations.studies.NAME."""
+"""What uses many runs: cost, stability, figures, maps, ... Each is a command: python -m simulations.studies.NAME."""

@@ -16,8 +16,7 @@ from ..command.command import run, say
 from ..output.files import write_table, write_text
 from ..run.comparison import relative_l2
 from ..run.simulation import Simulation
-from ..scene.language import SceneError
-from ..scene.scene import DEFAULT_SCENE, parse
+from ..scene import DEFAULT_SCENE, SceneError, parse
 
 REPEATS = 3
 LOOP = ("solid.k=0.3", "solid.nu=0.3")

@@ -10,7 +10,7 @@ from matplotlib.ticker import MaxNLocator
 
 from ..command.command import Parser, comm, on_root, run, say, writable
 from ..output.body_states import BodyState, read_states
-from ..scene.language import SceneError
+from ..scene import SceneError
 from .paper.style import panels, save, style
 
 REACH, DEPTH = 1.6, 1.6  # drawn part of the body, in contact half-widths a

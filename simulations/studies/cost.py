@@ -11,8 +11,7 @@ import sys
 from pathlib import Path
 
 from ..command.command import comm, run, say
-from ..scene import accuracy
-from ..scene.language import SceneError
+from ..scene import SceneError, accuracy
 from .costs.cases import Case, cases
 
 MARK = "measured: "  # before the line that a case's own process prints

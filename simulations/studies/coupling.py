@@ -12,11 +12,11 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
-from analytic.half_plane.linear import ContactNotConverged
 from mpi4py import MPI
 from scipy.interpolate import RectBivariateSpline
 
 from analytic import GradedHalfPlane, HalfPlaneContact, PowerLawKernel, PowerProfile
+from analytic.half_plane.linear import ContactNotConverged
 
 from ..command.command import on_root, run, say
 

@@ -6,7 +6,7 @@ from functools import partial
 from pathlib import Path
 
 from ..command.command import Parser, comm, on_root, run, say, writable
-from ..scene.language import SceneError
+from ..scene import SceneError
 from .paper import comparisons, distributions, energies
 from .paper.elements import Deviation, Runs
 from .paper.style import save, style

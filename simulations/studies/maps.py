@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from ..command.command import Parser, comm, on_root, run, say, writable
-from ..scene.language import SceneError
+from ..scene import SceneError
 from .mapping import pictures
 from .mapping.answers import best_profile, table
 from .mapping.points import Energies, Point, by_theory

@@ -9,7 +9,7 @@ from simulations.fem.body import ElasticBody, X, Y
 from simulations.fem.contact_problem import ContactProblem, Nitsche
 from simulations.fem.mesh import create_mesh
 from simulations.fem.surface import SurfaceSampler
-from simulations.solvers.condensed.compliance import Compliance
+from simulations.solvers.condensed.surface_compliance import SurfaceCompliance
 from simulations.solvers.condensed.system import CondensedSystem
 from simulations.solvers.full import FullSystem
 from simulations.solvers.newton import Newton
@@ -35,7 +35,7 @@ def confined_block(k, mixed=False):
 
 def pressed(body, friction, load, method) -> ContactProblem:
     """In equilibrium with a flat punch that covers the whole surface: pressed first, then sheared."""
-    compliance = Compliance(body)
+    compliance = SurfaceCompliance(body)
     body.delta.value[:] = (0.0, 0.1)
     stages = [(False, (0.0, load[1])), (True, load)]
     for with_friction, stage_load in stages[: 1 + friction]:
