@@ -2,11 +2,12 @@
 
 import json
 import re
+from pathlib import Path
 
 import pytest
 from conftest import ROOT, coarse_arguments
 
-from forms import contact, elasticity
+from forms import contact, elasticity, weak_form
 from simulations import fretting
 
 
@@ -39,11 +40,26 @@ def test_the_schema_of_the_summary(changes, tmp_path):
 
 def test_the_forms_named_are_there():
     text = (ROOT / "docs" / "method.md").read_text()
-    for line in re.findall(r" {3}\(([a-z_]+(?:, [a-z_]+)*)\)$", text, re.M):
-        for name in line.split(", "):
-            assert hasattr(contact, name) or hasattr(elasticity, name), name
+    modules = {"contact": contact, "elasticity": elasticity, "weak_form": weak_form}
+    named = re.findall(r"`(contact|elasticity|weak_form)\.(\w+)`", text)
+    assert len(named) >= 12
+    for module, name in named:
+        assert hasattr(modules[module], name), name
     for path in re.findall(r"`((?:forms|simulations|analytic)/\w+\.py)`", text):
         assert (ROOT / path).exists(), path
+
+
+def test_the_weak_form_has_the_numbers_of_the_document():
+    """Each term (F1), (F2) ... stands in both, in the code beside a function that the document names for it."""
+    rows = re.findall(r"^\| \((F\d+)\) \| .* \| (.*) \|$", (ROOT / "docs" / "method.md").read_text(), re.M)
+    assert [number for number, _ in rows] == [f"F{n}" for n in range(1, 13)]
+    code = Path(weak_form.__file__).read_text()
+    assert set(re.findall(r"# \((F\d+)\)$", code, re.M)) == {number for number, _ in rows}
+    for number, functions in rows:
+        where = [m.start() for m in re.finditer(rf"# \({number}\)$", code, re.M)]
+        for name in re.findall(r"`\w+\.(\w+)`", functions):
+            near = [code[max(0, place - 700) : place] for place in where]
+            assert any(name in text for text in near), (number, name)
 
 
 def test_links_lead_somewhere():

@@ -5,7 +5,7 @@ Every limit is measured (docs/stability.md). All lengths are in contact half-wid
 
 from __future__ import annotations
 
-from math import ceil, floor, log10
+from math import ceil, expm1, floor, log, log10
 from typing import TYPE_CHECKING
 
 from ..scene import SceneError
@@ -22,6 +22,8 @@ MOST_UNKNOWNS = 1_000_000  # some minutes, and 3 GB in the factorisation
 MOST_MATRIX = 4.0  # GB in the dense matrices of the condensed method
 NARROWEST = 3.0  # slip zone over edge_facet: there the energy is off by 5 %, with 1 by 30 %, with 0.2 by 180 %
 STEEPEST = 0.1  # estimated relative error of the traction from its steep ends alone
+LOWEST = 0.05  # the first layer's lowest Gauss point, over its height: 0.07 and more
+SMALLEST = -300.0  # decimal logarithm of the smallest ordinary number is -307.7
 STABLE_GAMMA0 = 0.3  # below it Newton chatters (0.2 at k = 0) or fails (0.1 at k = 0.3), unless theta = -1
 
 
@@ -32,6 +34,23 @@ def check_parameters(scene: Scene):
         raise SceneError(
             f"solver.gamma0 = {gamma0:g} is not allowed with theta = {theta:g}: the contact terms are stable from "
             f"{STABLE_GAMMA0:g} on; the default is 10"
+        )
+
+
+def check_depth(scene: Scene, cells: Grading):
+    """SceneError for k so close to 1 that dy/ds = s^(k/(1-k))/(1-k), for the mesh depth s, underflows."""
+
+    def underflows(k):
+        first = (cells.first_layer / (cells.layer_growth - 1)) ** (1 - k) * expm1((1 - k) * log(cells.layer_growth))
+        return k / (1 - k) * log10(LOWEST * first) < SMALLEST
+
+    allowed = scene.k
+    while allowed > 0 and underflows(allowed):
+        allowed = (ceil(200 * allowed) - 1) / 200
+    if allowed < scene.k:
+        raise SceneError(
+            f"solid.k = {scene.k!r} is too close to 1: dy/ds of the mesh depth s = y^(1-k) underflows in the first "
+            f"layer; {allowed:g} or less is possible with this mesh.first_layer and mesh.layer_growth"
         )
 
 

@@ -77,7 +77,7 @@ def modulus(solid: AnySolid, length: float, stress: float) -> forms.Modulus:
     if isinstance(solid, (PowerLaw, PowerLawCoating)):
         return forms.PowerLaw.of(solid.k, E0 * (length / _resolved(solid.y0)) ** solid.k, thickness)
     exponential = isinstance(solid, ExponentialCoating)
-    return forms.Coating(E0, solid.E_substrate / stress, thickness, exponential)  # type: ignore[return-value]
+    return forms.Coating(E0, solid.E_substrate / stress, thickness, exponential)
 
 
 def _resolved(length: float | None) -> float:
