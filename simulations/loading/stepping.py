@@ -16,7 +16,14 @@ SETTLINGS, MAX_SETTLINGS = 3, 8  # solves for where newcomers stopped: more whil
 
 
 class SolveError(RuntimeError):
-    """Newton failed and smaller increments did not help; the message says where and why."""
+    """Newton failed and smaller increments did not help; the message says why.
+
+    load: the line loads (Q, P), in scaled units, that were not reached.
+    """
+
+    def __init__(self, reason: str, load=None):
+        super().__init__(reason)
+        self.load = load
 
 
 @dataclass(frozen=True)
@@ -107,7 +114,7 @@ class LoadProgramme:
         result = self._normal_newton.solve((0.0, increment.P), confirm=self.confirms)
         results.append(result)
         if not result.converged:
-            raise SolveError(f"no frictionless contact at P = {increment.P:.4g}: {result.reason}")
+            raise SolveError(f"no frictionless contact: {result.reason}", increment.load)
         self.problem.hold_pressure(self.normal)
         self.body.state.x.array[:] += tangential
 
@@ -127,10 +134,10 @@ class LoadProgramme:
         self._restore(saved)
         if depth == MAX_CUTS:
             raise SolveError(
-                f"no equilibrium between (P, Q) = ({before.P:.4g}, {before.Q:.4g}) and ({after.P:.4g}, {after.Q:.4g}) "
-                f"({after.branch}): {first.reason}, and at last {result.reason}; force residual "
+                f"no equilibrium: {first.reason}, and at last {result.reason}; force residual "
                 f"{first.residual:.1e} P after {first.iterations} iterations and {depth} halvings of the increment, "
-                f"contact states changed in the last iterations: {', '.join(map(str, first.changes[-4:])) or 'none'}"
+                f"contact states changed in the last iterations: {', '.join(map(str, first.changes[-4:])) or 'none'}",
+                after.load,
             )
         P = (before.P + after.P) / 2 if Y in self.problem.directions else after.P
         middle = replace(after, P=P, Q=(before.Q + after.Q) / 2, state="")

@@ -16,6 +16,14 @@ FEW = 20
 AT_LIMIT = 1e-9  # a traction this close to mu p, relative to the largest, slides
 
 
+class ChecksFailed(RuntimeError):
+    """A run reached its end, but its results do not pass their checks; the message names those."""
+
+
+class ChecksWarning(UserWarning):
+    """The same as a warning, for the package from Python."""
+
+
 @dataclass(frozen=True)
 class Check:
     """A number that is to stay at or below its limit."""
@@ -60,6 +68,11 @@ def check(history: History, height: Callable, coupled: bool = True) -> dict[str,
             ),
         }
     return checks
+
+
+def hold(checks: dict[str, Check]) -> bool:
+    """True where all of them hold."""
+    return all(check.holds for check in checks.values())
 
 
 def describe(checks: dict[str, Check]) -> str:

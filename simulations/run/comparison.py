@@ -5,6 +5,8 @@ import numpy as np
 from .history import Entry, History
 from .reference import Reference, all_states
 
+QUANTITIES = ("pressure_l2", "traction_l2", "slip_l2", "a", "c", "dissipated_energy")  # that ``compare`` may find
+
 
 def relative_l2(weight, computed, exact) -> float:
     """sqrt(∫ (computed - exact)² dx / ∫ exact² dx) with nodal ``weight``; nan where exact vanishes."""

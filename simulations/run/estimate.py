@@ -18,13 +18,12 @@ class Solved:
 
     name = "finer mesh"
 
-    def __init__(self, history: History, other: History):
-        """other: the history whose entries this is asked about; the two have the same increments."""
+    def __init__(self, history: History):
+        """history: of the increments of the run whose entries this is asked about."""
         self.history = history
-        self._counterpart = {id(theirs): mine for mine, theirs in zip(history.entries, other.entries, strict=True)}
 
     def _at(self, entry: Entry) -> Entry:
-        return self._counterpart[id(entry)]
+        return self.history.entries[entry.number]
 
     def _interpolated(self, entry, x, values):
         return np.interp(x, self._at(entry).surface.x, values)
@@ -88,5 +87,5 @@ def estimated(simulation: Simulation, other: Simulation, ratio: float) -> dict[s
     The difference is the coarser mesh's error; it is divided by the ``ratio`` that the errors of both meshes have
     where there are closed forms, and multiplied by the margin of the table.
     """
-    found = compare(other.history, Solved(simulation.history, other.history))
+    found = compare(other.history, Solved(simulation.history))
     return {name: accuracy.MARGIN * abs(value) / max(ratio, 1.0) for name, value in found.items() if np.isfinite(value)}

@@ -26,6 +26,7 @@ class Entry:
     seconds: float
     tolerance: float = 0.0  # of the residual
     changes: tuple[int, ...] = ()  # points whose contact state changed, in each iteration of the solve that counts
+    number: int = 0  # place in the history
 
     @property
     def a(self) -> float:
@@ -82,6 +83,7 @@ class History:
             seconds=seconds,
             tolerance=max(result.tolerance for result in outcome.results),
             changes=outcome.results[-1].changes,
+            number=len(self.entries),
         )
         self.entries.append(entry)
         return entry

@@ -3,6 +3,7 @@
 A reference answers for the states of a history; dimensionless, like the history.
 """
 
+from collections.abc import Callable
 from typing import Protocol
 
 import numpy as np
@@ -10,10 +11,13 @@ import numpy as np
 from analytic import CylinderContact, FrettingLoop, ProfileContact
 from analytic.half_plane.state import ContactState
 
+from ..scene import effects
 from .expected_edges import half_plane_solver
 from .history import Entry, History
 from .simulation import Simulation
 
+Tell = Callable[[int, int], None]
+ROUGH_TIMES, ROUGH_INCREMENTS = 10.0, 20  # of an increment over one of the rough edges' of a loop, which makes so many
 NODES = (400, 300)  # of the half-plane solver; the next number is tried where one does not converge
 
 
@@ -83,24 +87,28 @@ class HalfPlane:
     name = "mesh-free half-plane solver"
     nodes: int  # that it converged with
 
-    def __init__(self, simulation: Simulation):
+    def __init__(self, simulation: Simulation, tell: Tell | None = None):
+        """tell: called with the number of increments done and that of all, after each."""
         loads = [(increment.P, increment.Q) for increment in simulation.programme]
         failure = None
         for nodes in NODES:
             try:
                 solver = half_plane_solver(simulation.scene, simulation.scaled, simulation.effects, nodes)
-                states = solver.run(loads)
+                states = []
+                for state in solver.increments(loads):
+                    states.append(state)
+                    if tell:
+                        tell(len(states), len(loads))
                 self.nodes = nodes
                 break
             except (RuntimeError, ValueError) as reason:
                 failure = failure or reason  # the one of the finest nodes is told
         else:
             raise NoReference(str(failure))
-        self._increments = simulation.programme
-        self._states = {id(increment): state for increment, state in zip(self._increments, states)}
+        self._history, self._states = simulation.history, states
 
     def _at(self, entry: Entry) -> ContactState:
-        return self._states[id(entry.increment)]
+        return self._states[entry.number]
 
     def _interpolated(self, entry, name, x):
         state = self._at(entry)
@@ -129,11 +137,10 @@ class HalfPlane:
 
     def dissipated_energy(self):
         """As in the history."""
-        last = self._increments[-1]
-        energy = self._states[id(last)].dissipated_energy
-        if last.cycle:
-            start = [increment for increment in self._increments if increment.cycle == last.cycle - 1][-1]
-            energy -= self._states[id(start)].dissipated_energy
+        history = self._history
+        energy = self._states[len(history.entries) - 1].dissipated_energy
+        if history.has_cycle:
+            energy -= self._states[len(history.entries) - len(history.last_cycle) - 1].dissipated_energy
         return energy
 
 
@@ -145,20 +152,45 @@ def closed_form(simulation: Simulation) -> ClosedForm | None:
     return ClosedForm(simulation.contact, simulation.loop, scene.cycles)
 
 
-def of_same_physics(simulation: Simulation) -> Reference:
+def foreign_effects(simulation: Simulation) -> list[str]:
+    """Effects of a simulation that change its physics and that no reference knows.
+
+    An effect says so by ``keeps_reference``; one that does not say is foreign where it adds a term to the virtual work.
+    """
+    on = (effect for effect in effects.ALL if effect.name in simulation.effects)
+    return [effect.name for effect in on if not getattr(effect, "keeps_reference", effect.work is None)]
+
+
+def neglected(simulation: Simulation) -> list[str]:
+    """Effects of a simulation that its closed form, where there is one, leaves out."""
+    coupled = "coupling" in simulation.effects and not simulation.scene.has_closed_form
+    return ["coupling"] * coupled + foreign_effects(simulation)
+
+
+def expected_seconds(simulation: Simulation) -> float:
+    """What ``of_same_physics`` may take, from what the rough edges of the mesh took; 0 for a closed form."""
+    kind = simulation.scene["reference.kind"]
+    if kind == "none" or (simulation.scene.has_closed_form and kind != "half-plane"):
+        return 0.0
+    shares = len(simulation.programme) / (ROUGH_INCREMENTS if simulation.scene.is_loop else len(simulation.programme))
+    return ROUGH_TIMES * shares * simulation.watch.seconds.get("edges", 0.0)
+
+
+def of_same_physics(simulation: Simulation, tell: Tell | None = None) -> Reference:
     """The reference that ``reference.kind`` asks for, "auto": closed form where exact; NoReference says why none."""
     kind, scene = simulation.scene.reference.kind, simulation.scene
     if kind == "none":
         raise NoReference("reference.kind = none")
-    if simulation.effects.without_reference:
-        raise NoReference(f"no reference describes {', '.join(simulation.effects.without_reference)}")
-    if scene.contact_has_closed_form and kind != "half-plane":
+    foreign = foreign_effects(simulation)
+    if foreign:
+        raise NoReference(f"none knows the {' and the '.join(foreign)} of this run")
+    if scene.has_closed_form and kind != "half-plane":
         exact = closed_form(simulation)
         assert exact is not None  # contact_has_closed_form
         return exact
     if kind == "closed form":
         raise NoReference("there is no closed form of this problem, and reference.kind = closed form")
-    return HalfPlane(simulation)
+    return HalfPlane(simulation, tell)
 
 
 def describe(reference: Reference, simulation: Simulation) -> str:

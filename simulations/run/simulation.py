@@ -43,12 +43,19 @@ class Simulation:
     spent in each phase.
     """
 
-    def __init__(self, comm, scene: Scene, cells: Grading | None = None, like: "Simulation | None" = None):
+    def __init__(
+        self,
+        comm,
+        scene: Scene,
+        cells: Grading | None = None,
+        like: "Simulation | None" = None,
+        watch: Stopwatch | None = None,
+    ):
         """cells: of the mesh, where they are not those of the scene; like: a simulation of the same solid (k, nu,
         coating), whose mesh, stiffness and compliance this one takes over, whatever its loads, friction and cylinder:
-        it then ends that one.
+        it then ends that one; watch: what measures the phases.
         """
-        self.scene, self.effects, self.watch = scene, Effects(scene), Stopwatch()
+        self.scene, self.effects, self.watch = scene, Effects(scene), watch or Stopwatch()
         self.scaled = Scaled.of(scene)
         self.contact, self.mu = self.scaled.contact, scene.mu
         self.loop = None
@@ -63,13 +70,13 @@ class Simulation:
                 check_depth(scene, self.cells)
                 self.ordinates = self._ordinates()
                 check_size(scene, self.cells, *(len(nodes) - 1 for nodes in self.ordinates))
-                mesh, facets = create_mesh(comm, *self.ordinates)
-            with self.watch("forms"):  # compiles them the first time
+                mesh, facets = half_plane(comm, *self.ordinates)
+        with self.watch("forms"):  # compiles them the first time
+            if like is None:
                 self.body = self._body(mesh, facets)
-        else:
-            self._take_over(like)
-        with self.watch("forms"):
-            nitsche = Nitsche(scene.solver.gamma0, scene.solver.theta)
+            else:
+                self._take_over(like)
+            nitsche = Nitsche(scene["solver.gamma0"], scene["solver.theta"])
             indenter = self.scaled.indenter
             normal = ContactProblem(self.body, indenter.height, nitsche, (Y,))
             check_round_off(scene, self.cells, normal)
@@ -145,14 +152,19 @@ class Simulation:
         """Solve increment after increment, from where the history ends; SolveError where one fails."""
         outcomes = self.solver.run(self.programme, len(self.history.entries))
         while True:
-            with self.watch("solve"):
-                outcome = next(outcomes, None)
+            try:
+                with self.watch("solve"):
+                    outcome = next(outcomes, None)
+            except SolveError as error:
+                raise SolveError(failure_in_si(self, error)) from None
             if outcome is None:
                 return
             state = self.sampler.sample(self.solver.problem)
             if state.pressure[0] > 0 or state.pressure[-1] > 0:
-                strip = f"|x| < {self.cells.strip:.3g} a"
-                raise SolveError(f"the contact reaches the end of the strip {strip} in which it is looked for")
+                strip = f"|x| < {self.cells.strip * self.scaled.scales.length:.3g} m"
+                raise SolveError(
+                    failure_in_si(self, f"the contact reaches the end of {strip}, in which it is looked for")
+                )
             yield self.history.append(outcome, state, self.watch.last)
 
     def run_to_end(self) -> "Simulation":
@@ -170,7 +182,8 @@ class Simulation:
         """Cell sizes of the scene, graded to where contact and stick zone are expected to end."""
         scene = self.scene
         loads = [(increment.P, increment.Q) for increment in self.programme]
-        found = expected_edges(scene, self.scaled, self.loop, self.effects, loads)
+        with self.watch("edges"):
+            found = expected_edges(scene, self.scaled, self.loop, self.effects, loads)
         sizes = scene.cell_sizes
         if not scene.is_power_law:
             sizes["extent"] *= FARTHER * max(1.0, self.scaled.modulus.thickness)
@@ -201,3 +214,14 @@ class Simulation:
             return point_force_displacement(solid, x, y, fixed_depth=fixed_depth, **load)
 
         return displacement
+
+
+def failure_in_si(simulation: Simulation, reason) -> str:
+    """Why the next increment failed, with its loads in SI units and the keys of the scene that they come from."""
+    scene, unit, number = simulation.scene, simulation.scaled.scales.line_load, len(simulation.history.entries)
+    increment = simulation.programme[number]
+    Q, P = getattr(reason, "load", None) or increment.load
+    loads = f"P = {P * unit:.4g} N/m, Q = {Q * unit:.4g} N/m"
+    keys = ", ".join(f"{k} = {scene[k]:g}" for k in ("load.P", "load.amplitude", "load.mu") if k in scene.values)
+    place = f"increment {number + 1} of {len(simulation.programme)}, {increment.branch}"
+    return f"{loads} ({place}; {keys or 'load.points'}): {reason}"

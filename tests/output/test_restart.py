@@ -3,6 +3,7 @@
 import csv
 import json
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -273,6 +274,10 @@ def stopped(uninterrupted, tmp_path, monkeypatch):
     return folder
 
 
+def contents(folder):
+    return {path.relative_to(folder): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
 def refusal(capfd, *arguments):
     with pytest.raises(SceneError) as error:
         fretting.main([str(word) for word in arguments])
@@ -306,9 +311,13 @@ def test_a_folder_without_a_run_is_refused(tmp_path, capfd):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_new_run_in_the_folder_of_an_old_one(stopped, uninterrupted):
-    """Nothing of the stopped run is left in the new one's files."""
-    fretting.main(coarse_arguments(stopped, **RUN, load__cycles=0))
+def test_a_new_run_in_the_folder_of_an_old_one(stopped, uninterrupted, capfd):
+    """Refused, but where the old one is to be replaced: then nothing of it is left in the new one's files."""
+    again = coarse_arguments(stopped, **RUN, load__cycles=0)
+    before = contents(stopped)
+    assert re.search("holds a run that was stopped; go on with --resume .* --overwrite", refusal(capfd, *again))
+    assert contents(stopped) == before
+    fretting.main([*again, "--overwrite"])
     assert len(history(stopped)) == 3
     assert not (stopped / "checkpoint").exists()
     assert len(list((stopped / "fields").iterdir())) == 3  # mesh, normal stage, A
