@@ -20,8 +20,7 @@ from petsc4py import PETSc
 
 from .. import __version__
 from ..fem.parallel import on_root
-from ..scene.language import SceneError, shown
-from ..scene.scene import Scene
+from ..scene import Scene, SceneError, shown
 from . import checkpoint, fields
 from .checkpoint import SCENE
 from .files import write_text

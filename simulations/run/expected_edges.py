@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analytic import FrettingLoop, HalfPlaneContact, contact_edges
+from analytic import FrettingLoop, HalfPlaneContact, SpringPath, contact_edges
 
 from ..scene import Scene
 from ..scene.effects import Effects
@@ -67,8 +67,11 @@ def expected_edges(
     """
     if scene.contact_has_closed_form:
         a = scaled.contact.a
-        if loop is None:
+        if loop is None and not scene.friction:
             return ExpectedEdges((a,))
+        if loop is None:
+            states = SpringPath(scaled.contact, scene.mu).run(loads)[::-1]
+            return ExpectedEdges(_several([e for s in states for e in (s.contact_half_width, s.stick_half_width)]))
         shares = (0.5, 0.0, -0.5) if scene.mesh.edges == "states" else ()
         between = [loop.active_half_width(share * loop.Q_A, "unloading") for share in shares]
         return ExpectedEdges((loop.c, a, *between), stick_way=(loop.c, a))

@@ -54,7 +54,7 @@ def find(simulation: Simulation, tell: reference.Tell | None = None) -> Findings
         except reference.NoReference as reason:
             why_none = f"none: {reason}"
         neglecting, neglected = None, reference.neglected(simulation)
-        closed = reference.closed_form(simulation) if neglected and scene["reference.kind"] != "none" else None
+        closed = reference.closed_form(simulation) if neglected and scene.reference.kind != "none" else None
         if closed:
             words = f"closed form, which neglects the {' and the '.join(neglected)} of this run: another problem"
             neglecting = _compare(simulation, closed, words, tuple(neglected))
@@ -67,7 +67,7 @@ def summary(simulation: Simulation, findings: Findings | None, failure: str | No
     """Everything for summary.json but the versions. findings: of a run that reached its end; else ``failure``."""
     history, watch = simulation.history, simulation.watch
     found = {
-        "title": simulation.scene["title"],
+        "title": simulation.scene.title,
         "converged": findings is not None,
         "checks_hold": None if findings is None else checks.hold(findings.checks),
         "failure": failure,

@@ -70,13 +70,13 @@ class Simulation:
                 check_depth(scene, self.cells)
                 self.ordinates = self._ordinates()
                 check_size(scene, self.cells, *(len(nodes) - 1 for nodes in self.ordinates))
-                mesh, facets = half_plane(comm, *self.ordinates)
+                mesh, facets = create_mesh(comm, *self.ordinates)
         with self.watch("forms"):  # compiles them the first time
             if like is None:
                 self.body = self._body(mesh, facets)
             else:
                 self._take_over(like)
-            nitsche = Nitsche(scene["solver.gamma0"], scene["solver.theta"])
+            nitsche = Nitsche(scene.solver.gamma0, scene.solver.theta)
             indenter = self.scaled.indenter
             normal = ContactProblem(self.body, indenter.height, nitsche, (Y,))
             check_round_off(scene, self.cells, normal)
@@ -222,6 +222,6 @@ def failure_in_si(simulation: Simulation, reason) -> str:
     increment = simulation.programme[number]
     Q, P = getattr(reason, "load", None) or increment.load
     loads = f"P = {P * unit:.4g} N/m, Q = {Q * unit:.4g} N/m"
-    keys = ", ".join(f"{k} = {scene[k]:g}" for k in ("load.P", "load.amplitude", "load.mu") if k in scene.values)
+    keys = ", ".join(f"load.{name} = {value:g}" for name, value in scene.load if name in ("P", "amplitude", "mu"))
     place = f"increment {number + 1} of {len(simulation.programme)}, {increment.branch}"
     return f"{loads} ({place}; {keys or 'load.points'}): {reason}"

@@ -143,9 +143,7 @@ class Scene(BaseModel):
         """True where the closed forms describe the contact: uncoupled, by nature or by choice. Effects that add to the
         virtual work are not looked at (``Effects.has_closed_form``).
         """
-        if not self.is_power_law or (self.friction and not self.is_loop):
-            return False
-        return self.is_decoupled or not (self.friction and self.effects.coupling)
+        return self.is_power_law and (self.is_decoupled or not (self.friction and self.effects.coupling))
 
     @property
     def cell_sizes(self) -> dict[str, float]:

@@ -18,7 +18,7 @@ from ...fem.mesh import Grading, columns, layers
 from ...loading.schedule import rocking
 from ...run.comparison import relative_l2
 from ...run.expected_edges import half_plane_solver
-from ...run.reference import NODES
+from ...run.mesh_free import NODES
 from ...scene import parse
 from ...scene.effects import Effects
 from ...scene.scaling import Scaled
