@@ -6,7 +6,7 @@ import numpy as np
 
 from ..scene import Scene, accuracy, make_scene
 from ..scene.effects import Effects
-from .comparison import compare
+from .comparison import compare, worst
 from .history import Entry, History
 from .simulation import Simulation
 
@@ -81,11 +81,13 @@ def coarser(comm, scene: Scene) -> tuple[Simulation, float]:
     return Simulation(comm, make_scene(values, base=None)), other.error / choice.error
 
 
-def estimated(simulation: Simulation, other: Simulation, ratio: float) -> dict[str, float]:
-    """Errors of ``simulation`` by quantity, estimated from how far ``other`` is off it.
+def estimated(simulation: Simulation, other: Simulation, ratio: float) -> tuple[dict[str, float], dict[str, float]]:
+    """Errors of ``simulation`` by quantity, at the last and at the worst state, from how far ``other`` is off it.
 
     The difference is the coarser mesh's error; it is divided by the ``ratio`` that the errors of both meshes have
     where there are closed forms, and multiplied by the margin of the table.
     """
-    found = compare(other.history, Solved(simulation.history))
-    return {name: accuracy.MARGIN * abs(value) / max(ratio, 1.0) for name, value in found.items() if np.isfinite(value)}
+    factor, finer = accuracy.MARGIN / max(ratio, 1.0), Solved(simulation.history)
+    found = compare(other.history, finer), worst(other.history, finer)
+    last, worst_state = ({name: factor * abs(v) for name, v in f.items() if np.isfinite(v)} for f in found)
+    return last, worst_state

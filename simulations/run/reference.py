@@ -1,7 +1,7 @@
 """What a run is measured against: closed forms where they are exact, the mesh-free solver for everything else.
 
-A reference answers for the states of a history; dimensionless, like the history. It shares neither the mesh nor the load
-steps of the run.
+A reference answers for the states of a history; dimensionless, like the history. It shares neither the mesh nor the
+load steps of the run.
 """
 
 from typing import Protocol
@@ -93,7 +93,7 @@ def describe(reference: Reference, simulation: Simulation) -> str:
 
 
 def all_states(history: History) -> list[Entry]:
-    """Entries with a tangential load, of the last cycle where there is one."""
+    """Entries of the last cycle; where there is none those with a tangential load; without friction all."""
     if history.has_cycle:
         return history.last_cycle
-    return [entry for entry in history.entries if entry.increment.branch != "normal"]
+    return [e for e in history.entries if e.increment.branch != "normal" or not history.friction] or history.entries

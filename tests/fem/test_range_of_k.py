@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from conftest import coarse_arguments, run_command
-from simulations.scene.language import SceneError
+from simulations.scene import SceneError
 from solving import coarse_simulation, deviations, solved
 
 UNCOUPLED = {"solid__nu": 0.3, "effects__coupling": "false", "load__cycles": 0}
