@@ -9,8 +9,8 @@ from ..run.history import Entry, History
 from ..run.reference import ClosedForm, Reference
 from ..run.simulation import Simulation
 from .files import on_disk
+from .style import COLOURS
 
-COLOURS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#D55E00")  # colour-blind safe
 STYLES = ("-", "--")
 DOTS = 45  # computed points shown a curve
 MOST_STATES = 5
