@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from .run.simulation import Simulation
     from .scene.language import SceneError
     from .scene.scene import DEFAULT_SCENE, Scene, language, parse, resolve
+    from .studies.sweeping import sweep
 
 _EXPORTS = {
     "compare": "run.comparison",
@@ -36,6 +37,7 @@ _EXPORTS = {
     "parse": "scene.scene",
     "resolve": "scene.scene",
     "Simulation": "run.simulation",
+    "sweep": "studies.sweeping",
 }
 __all__ = [
     "DEFAULT_SCENE",
@@ -52,6 +54,7 @@ __all__ = [
     "parse",
     "resolve",
     "run",
+    "sweep",
 ]
 
 

@@ -19,6 +19,7 @@ from ..output.files import write_table
 from ..scene import accuracy
 from ..scene.language import SceneError
 from .commandline import make_folders, study_parser
+from .costs import sweeps
 from .costs.cases import Case, cases
 from .engine import Item, Row, run_all
 from .store import Store
@@ -139,6 +140,8 @@ def write_rows(path: Path, rows: list[Row]):
 def measured_apart(values: Row) -> Row:
     """The row of a case, measured in a process (or mpirun) of its own."""
     case = Case(**values)
+    if case.study == "sweep":
+        return sweeps.measure(case)
     command = [sys.executable, "-m", "simulations.studies.cost", "--case", case.name]
     if case.ranks > 1:
         command = [shutil.which("mpirun") or "mpirun", "-n", str(case.ranks), *command]

@@ -7,6 +7,7 @@
 ``work`` is a function of a module: it goes to other processes by name.
 """
 
+import gc
 import time
 import traceback
 from collections.abc import Callable, Iterable, Iterator
@@ -24,6 +25,7 @@ from .store import Store
 Row = dict[str, Any]
 FAILED = "failed"  # key of a row that holds nothing but the reason why there is no result
 POLL = 0.01  # seconds at most between two looks for messages of other ranks
+COLLECT = 3.0  # seconds between two searches for reference cycles
 PAUSE = 1.0  # seconds between two lines of progress
 
 
@@ -107,6 +109,18 @@ def _attempt(work, values) -> Row:
         return work(values)
     except Exception as error:
         return {FAILED: _reason(error)}
+    finally:
+        _collect()
+
+
+_collected = [0.0]  # when this process last freed what runs left in reference cycles
+
+
+def _collect():
+    """Free it, but not after every run: Python does not see how large it is, and the search takes 0.1 s."""
+    if time.monotonic() - _collected[0] > COLLECT:
+        gc.collect()
+        _collected[0] = time.monotonic()
 
 
 def _remote(work, values) -> Row:
