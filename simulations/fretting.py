@@ -10,7 +10,7 @@ from .output.results import Results, begin, files
 from .run.estimate import coarser, estimated, expectation
 from .run.explain import explain
 from .run.simulation import Simulation
-from .scene.scene import DEFAULT_SCENE
+from .scene import DEFAULT_SCENE
 
 
 def main(arguments: list[str], program: str = "simulations.fretting", description=__doc__, default=DEFAULT_SCENE):
@@ -37,9 +37,9 @@ def main(arguments: list[str], program: str = "simulations.fretting", descriptio
 def go(simulation: Simulation, folder, quiet: bool, again: str):
     """Run to the end, with files in ``folder`` and progress; ``again`` is the command that goes on if it stops."""
     progress = Progress(simulation, quiet)
-    title = simulation.scene["title"] or "fretting"
+    title = simulation.scene.title or "fretting"
     progress.say(f"{title}: {simulation.body.unknowns} unknowns, {comm.size} rank(s)")
-    if "solver.accuracy" in simulation.scene.values:
+    if simulation.scene.solver.accuracy is not None:
         progress.say(expectation(simulation.scene))
     if simulation.history.entries:
         progress.say(f"going on after increment {len(simulation.history.entries)}/{progress.total}")
@@ -51,7 +51,7 @@ def go(simulation: Simulation, folder, quiet: bool, again: str):
     except KeyboardInterrupt as stop:
         say(f"{stop or 'interrupted'}; go on with {again}", file=sys.stderr)
         raise
-    if "solver.accuracy" in simulation.scene.values:
+    if simulation.scene.solver.accuracy is not None:
         judge(simulation, results, folder, progress)
     if comm.rank == 0:
         progress.say(f"\n{results.table()}")
@@ -65,14 +65,14 @@ def judge(simulation: Simulation, results: Results, folder, progress: Progress):
     and keep it.
     """
     scene = simulation.scene
-    errors = comm.bcast(results.summary.get("errors")) if scene.has_closed_form else None
+    errors = comm.bcast(results.summary.get("errors")) if simulation.effects.has_closed_form else None
     exact = errors is not None
     if not exact:
         progress.say("second mesh, for the estimate of the error")
         other, ratio = coarser(comm, scene)
         errors = estimated(simulation, other.run_to_end(), ratio)
     name, largest = max(((name, abs(value)) for name, value in errors.items()), key=lambda item: item[1])
-    wanted, kind = scene["solver.accuracy"], "found" if exact else "estimated, not measured"
+    wanted, kind = scene.solver.accuracy, "found" if exact else "estimated, not measured"
     verdict = "within" if largest <= wanted else "NOT within"
     progress.say(f"largest error {largest:.1e} ({name}; {kind}): {verdict} {wanted:g}")
     if comm.rank == 0:

@@ -12,8 +12,7 @@ from types import ModuleType
 
 from . import __version__
 from .command.command import Parser, comm, on_root, run, say, writable
-from .scene.language import SceneError
-from .scene.scene import DEFAULT_SCENE
+from .scene import DEFAULT_SCENE, SceneError
 from .studies.engine import workers
 from .studies.sweeping import Table, run_sweep, sweep
 from .studies.variation import check, product, read_table, read_text, read_vary

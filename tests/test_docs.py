@@ -8,7 +8,6 @@ from conftest import ROOT, coarse_arguments
 
 from forms import contact, elasticity
 from simulations import fretting
-from simulations.scene.scene import language
 
 
 def rows(path, columns):
@@ -16,17 +15,6 @@ def rows(path, columns):
     lines = (line for line in (ROOT / path).read_text().splitlines() if line.startswith("| `"))
     cells = ([cell.strip() for cell in re.split(r"(?<!\\)\|", line)[1:-1]] for line in lines)
     return [row for row in cells if len(row) == columns]
-
-
-def test_every_key_is_documented_as_it_is():
-    documented = {row[0].strip("`"): row for row in rows("docs/scene.md", 5)}
-    keys = language()
-    assert list(documented) == list(keys)
-    for name, key in keys.items():
-        _, unit, allowed, default, meaning = documented[name]
-        assert allowed == key.allowed, name
-        assert default == ("" if key.default is None else f"`{json.dumps(key.default)}`"), name
-        assert meaning, name
 
 
 @pytest.mark.parametrize("changes", [{}, {"solid__nu": 0.3}], ids=["closed form", "coupled"])
@@ -50,7 +38,7 @@ def test_the_schema_of_the_summary(changes, tmp_path):
 
 
 def test_the_forms_named_are_there():
-    text = (ROOT / "docs" / "forms.md").read_text()
+    text = (ROOT / "docs" / "method.md").read_text()
     for line in re.findall(r" {3}\(([a-z_]+(?:, [a-z_]+)*)\)$", text, re.M):
         for name in line.split(", "):
             assert hasattr(contact, name) or hasattr(elasticity, name), name

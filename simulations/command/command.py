@@ -25,8 +25,7 @@ from ..fem import parallel
 from ..loading.stepping import SolveError
 from ..output import checkpoint
 from ..output.files import OutputError
-from ..scene.language import SceneError, shown
-from ..scene.scene import Scene, parse
+from ..scene import Scene, SceneError, parse, shown
 
 T = TypeVar("T")
 comm = MPI.COMM_WORLD

@@ -22,8 +22,7 @@ from ..fem.mesh import Grading
 from ..fem.surface import SurfaceState
 from ..loading.stepping import Outcome
 from ..run import memory
-from ..scene.language import SceneError
-from ..scene.scene import Scene, parse
+from ..scene import Scene, SceneError, parse
 from ..solvers.newton import NewtonResult
 from .files import on_disk
 
@@ -133,7 +132,7 @@ def load(folder: Path) -> Saved:
         raise SceneError(f"--resume {folder}: the checkpoint cannot be read: {error}".splitlines()[0]) from None
     if len(states) != number:
         raise SceneError(f"--resume {folder}: the checkpoint cannot be read: states.bin is too short")
-    if str(kept["scene"]) != scene.to_toml():
+    if parse(str(kept["scene"])) != scene:
         raise SceneError(f"--resume {folder}: {SCENE} is not the scene of the checkpoint; it was changed afterwards")
     cells = {name: value.tolist() for name, value in _part(kept, "cells").items()}
     return Saved(

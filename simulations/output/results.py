@@ -15,8 +15,7 @@ from .. import __version__
 from ..run import checks, comparison, reference
 from ..run.history import Entry
 from ..run.simulation import Simulation
-from ..scene.language import SceneError
-from ..scene.scene import Scene
+from ..scene import Scene, SceneError
 from . import checkpoint, fields
 from . import files as output
 from .checkpoint import Checkpoint
@@ -146,10 +145,10 @@ class Results:
 
     def _plot(self):
         simulation, scene = self.simulation, self.simulation.scene
-        values = [f"k = {scene.k:g}", f"ν = {scene['solid.nu']:.4g}"]
+        values = [f"k = {scene.k:g}", f"ν = {scene.solid.nu:.4g}"]
         if scene.friction:
-            values.append(f"μ = {scene['load.mu']:g}")
-        title = f"{scene['title']}  ({', '.join(values)})".strip()
+            values.append(f"μ = {scene.load.mu:g}")
+        title = f"{scene.title}  ({', '.join(values)})".strip()
         lines = {}
         if self._reference:
             lines[self._reference.name] = self._reference
@@ -161,7 +160,7 @@ class Results:
         simulation = self.simulation
         history, scene, watch = simulation.history, simulation.scene, simulation.watch
         summary = {
-            "title": scene["title"],
+            "title": scene.title,
             "converged": failure is None,
             "failure": failure,
             "effects": {name: verdict.on for name, verdict in simulation.effects.verdicts.items()},
@@ -206,7 +205,8 @@ class Results:
             if history.has_cycle:
                 deviations["errors_worst_in_cycle"] = comparison.worst(history, self._reference)
         if self._neglecting:
-            deviations["differences_from"] = "closed form, which neglects the coupling of this run: another problem"
+            neglected = ", ".join(self.simulation.effects.without_reference) or "the coupling"
+            deviations["differences_from"] = f"closed form, which neglects {neglected} of this run: another problem"
             deviations["differences"] = comparison.compare(history, self._neglecting)
             if history.has_cycle:
                 deviations["differences_worst_in_cycle"] = comparison.worst(history, self._neglecting)
@@ -219,7 +219,7 @@ class Results:
                 self._reference = reference.of_same_physics(simulation)
             except reference.NoReference as reason:
                 self._no_reference = f"none: {reason}"
-        if not simulation.scene.has_closed_form and simulation.scene["reference.kind"] != "none":
+        if not simulation.effects.has_closed_form and simulation.scene.reference.kind != "none":
             self._neglecting = reference.closed_form(simulation)
 
     def table(self) -> str:

@@ -4,8 +4,8 @@ otherwise.
 
 import numpy as np
 
-from ..scene import accuracy
-from ..scene.scene import Scene, resolve
+from ..scene import Scene, accuracy, make_scene
+from ..scene.effects import Effects
 from .comparison import compare
 from .history import Entry, History
 from .simulation import Simulation
@@ -54,28 +54,32 @@ class Solved:
         return self.history.dissipated_energy
 
 
+def _choice(scene: Scene) -> accuracy.Choice:
+    """The mesh that ``solver.accuracy`` chose."""
+    assert scene.solver.accuracy is not None
+    return accuracy.choose(scene.solver.accuracy, scene.k, getattr(scene.load, "amplitude", 0.9))
+
+
 def expectation(scene: Scene) -> str:
     """What ``solver.accuracy`` chose and what is expected of it, in words."""
-    choice = accuracy.choose(scene["solver.accuracy"], scene.k, scene.values.get("load.amplitude", 0.9))
+    choice = _choice(scene)
     sizes = f"facets of {choice.mesh['mesh.facet']:g} a, degree {choice.mesh['mesh.degree']}"
-    if scene.has_closed_form:
-        return f"accuracy {scene['solver.accuracy']:g}: {sizes}; expected error {choice.error:.1e}"
-    return (
-        f"accuracy {scene['solver.accuracy']:g}: {sizes}; no closed form: the error will be estimated on a second mesh"
-    )
+    if Effects(scene).has_closed_form:
+        return f"accuracy {scene.solver.accuracy:g}: {sizes}; expected error {choice.error:.1e}"
+    return f"accuracy {scene.solver.accuracy:g}: {sizes}; no closed form: the error will be estimated on a second mesh"
 
 
 def coarser(comm, scene: Scene) -> tuple[Simulation, float]:
     """The same scene on a coarser mesh of the family, not yet run, and what its errors are over those of the
     scene's mesh.
     """
-    choice = accuracy.choose(scene["solver.accuracy"], scene.k, scene.values.get("load.amplitude", 0.9))
-    levels = accuracy.expected(scene.k, scene.values.get("load.amplitude", 0.9))
+    choice = _choice(scene)
+    levels = accuracy.expected(scene.k, getattr(scene.load, "amplitude", 0.9))
     other = min(levels, key=lambda level: abs(np.log(level.fineness / (COARSER * choice.fineness))))
     if other.fineness <= choice.fineness:  # already the coarsest: a finer one tells as much
         other = min(levels, key=lambda level: abs(np.log(level.fineness * COARSER / choice.fineness)))
-    values = {key: value for key, value in scene.values.items() if key != "solver.accuracy"} | other.mesh
-    return Simulation(comm, resolve(values)), other.error / choice.error
+    values = {key: value for key, value in scene.to_keys().items() if key != "solver.accuracy"} | other.mesh
+    return Simulation(comm, make_scene(values, base=None)), other.error / choice.error
 
 
 def estimated(simulation: Simulation, other: Simulation, ratio: float) -> dict[str, float]:

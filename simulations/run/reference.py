@@ -6,9 +6,9 @@ A reference answers for the states of a history; dimensionless, like the history
 from typing import Protocol
 
 import numpy as np
-from analytic.half_plane.state import ContactState
 
 from analytic import CylinderContact, FrettingLoop, ProfileContact
+from analytic.half_plane.state import ContactState
 
 from .expected_edges import half_plane_solver
 from .history import Entry, History
@@ -142,17 +142,19 @@ def closed_form(simulation: Simulation) -> ClosedForm | None:
     scene = simulation.scene
     if simulation.contact is None or (scene.friction and not scene.is_loop):
         return None
-    return ClosedForm(simulation.contact, simulation.loop, scene.values.get("load.cycles", 0))
+    return ClosedForm(simulation.contact, simulation.loop, scene.cycles)
 
 
 def of_same_physics(simulation: Simulation) -> Reference:
     """The reference that ``reference.kind`` asks for, "auto": closed form where exact; NoReference says why none."""
-    kind, scene = simulation.scene["reference.kind"], simulation.scene
+    kind, scene = simulation.scene.reference.kind, simulation.scene
     if kind == "none":
         raise NoReference("reference.kind = none")
-    if scene.has_closed_form and kind != "half-plane":
+    if simulation.effects.without_reference:
+        raise NoReference(f"no reference describes {', '.join(simulation.effects.without_reference)}")
+    if scene.contact_has_closed_form and kind != "half-plane":
         exact = closed_form(simulation)
-        assert exact is not None  # has_closed_form
+        assert exact is not None  # contact_has_closed_form
         return exact
     if kind == "closed form":
         raise NoReference("there is no closed form of this problem, and reference.kind = closed form")

@@ -8,18 +8,18 @@ import numpy as np
 
 from analytic import GradedHalfPlane, point_force_displacement
 
-from ..fem.body import HalfPlane, X, Y
+from ..fem.body import ElasticBody, X, Y
 from ..fem.contact_problem import ContactProblem, Nitsche
-from ..fem.mesh import Grading, columns, half_plane, layers
+from ..fem.mesh import Grading, columns, create_mesh, layers
 from ..fem.numbering import Numbering
 from ..fem.parallel import on_root
 from ..fem.surface import SurfaceSampler
 from ..loading.schedule import pressing, rocking, visiting
 from ..loading.stepping import LoadProgramme, SolveError
+from ..scene import Scene
 from ..scene.effects import Effects
 from ..scene.scaling import Scaled
-from ..scene.scene import Scene
-from ..solvers.condensed.compliance import Compliance
+from ..solvers.condensed.surface_compliance import SurfaceCompliance
 from ..solvers.condensed.system import CondensedSystem
 from ..solvers.full import FullSystem
 from ..solvers.newton import FORCE_TOLERANCE
@@ -55,10 +55,10 @@ class Simulation:
         """
         self.scene, self.effects, self.watch = scene, Effects(scene), Stopwatch()
         self.scaled = Scaled.of(scene)
-        self.contact, self.mu = self.scaled.contact, scene["load.mu"] if scene.friction else 0.0
+        self.contact, self.mu = self.scaled.contact, scene.mu
         self.loop = None
         if scene.is_loop and self.contact:
-            self.loop = self.contact.fretting(mu=self.mu, z=1.0 - scene["load.amplitude"])
+            self.loop = self.contact.fretting(mu=self.mu, z=1.0 - scene.load.amplitude)
         self.programme = self._programme()
         check_parameters(scene)
         if like is None:
@@ -67,22 +67,22 @@ class Simulation:
                 check_resolution(scene, self.cells, self.loop)
                 self.ordinates = self._ordinates()
                 check_size(scene, self.cells, *(len(nodes) - 1 for nodes in self.ordinates))
-                mesh, facets = half_plane(comm, *self.ordinates)
+                mesh, facets = create_mesh(comm, *self.ordinates)
             with self.watch("forms"):  # compiles them the first time
                 self.body = self._body(mesh, facets)
         else:
             self._take_over(like)
         with self.watch("forms"):
-            nitsche = Nitsche(scene["solver.gamma0"], scene["solver.theta"])
+            nitsche = Nitsche(scene.solver.gamma0, scene.solver.theta)
             indenter = self.scaled.indenter
             normal = ContactProblem(self.body, indenter.height, nitsche, (Y,))
             check_round_off(scene, self.cells, normal)
             frictional = None
             if scene.friction:
                 directions = (X, Y) if "coupling" in self.effects else (X,)
-                frictional = ContactProblem(self.body, indenter.height, nitsche, directions)
+                frictional = ContactProblem(self.body, indenter.height, nitsche, directions, self.mu)
         self.solver = LoadProgramme(
-            normal, frictional, self._system, self.mu, "friction in normal stage" in self.effects, tolerance
+            normal, frictional, self._system, "friction in normal stage" in self.effects, tolerance
         )
         self.body.delta.value[Y] = indenter.height(1.0)  # overlap on |x| < a: where Newton starts
         self.sampler = SurfaceSampler(self.body, normal, scene.friction and "coupling" not in self.effects)
@@ -99,16 +99,16 @@ class Simulation:
 
     def _body(self, mesh, facets):
         scene = self.scene
-        return HalfPlane(
+        return ElasticBody(
             mesh,
             facets,
             self.scaled.modulus,
-            scene["solid.nu"],
+            scene.solid.nu,
             self._far_field(),
             self.cells.strip,
             "incompressibility" in self.effects,
             self.effects.works(scene, self.scaled.scales),
-            scene["mesh.degree"],
+            scene.mesh.degree,
         )
 
     def _take_over(self, other: "Simulation"):
@@ -116,8 +116,8 @@ class Simulation:
         mine, theirs = (
             (
                 *astuple(s.scaled.modulus),  # type: ignore[call-overload]
-                s.scene["solid.nu"],
-                s.scene["mesh.degree"],
+                s.scene.solid.nu,
+                s.scene.mesh.degree,
                 *(e in s.effects for e in ("symmetry", "incompressibility")),
             )
             for s in (self, other)
@@ -130,20 +130,20 @@ class Simulation:
             raise ValueError("effects add to the stiffness: the body cannot be taken over")
         self.cells, self.ordinates, self.body = other.cells, other.ordinates, other.body
         self.body.reset()
-        if other.scene["solver.method"] == "condensed":
+        if other.scene.solver.method == "condensed":
             self._compliance = other._compliance
 
     def _programme(self):
         scene = self.scene
-        steps = scene["solver.normal_increments"] if "friction in normal stage" in self.effects else 1
-        if "load.points" in scene.values:
-            points = [(P / scene.P, Q / scene.P) for P, Q in scene["load.points"]]
+        steps = scene.solver.normal_increments if "friction in normal stage" in self.effects else 1
+        if scene.is_path:
+            points = [(P / scene.P, Q / scene.P) for P, Q in scene.load.points]
             first, *rest = points
-            return pressing(first[0], steps) + visiting(first, rest, scene["solver.increments"])
+            return pressing(first[0], steps) + visiting(first, rest, scene.solver.increments)
         if not scene.friction:
             return pressing(1.0)
-        Q_A = scene["load.amplitude"] * self.mu
-        return pressing(1.0, steps) + rocking(1.0, Q_A, scene["load.cycles"], scene["solver.increments"])
+        Q_A = scene.load.amplitude * self.mu
+        return pressing(1.0, steps) + rocking(1.0, Q_A, scene.load.cycles, scene.solver.increments)
 
     def run(self) -> Iterator[Entry]:
         """Solve increment after increment, from where the history ends; SolveError where one fails."""
@@ -185,13 +185,13 @@ class Simulation:
         return Grading(edges=tuple(sorted(edges)), sweeps=sweeps, **sizes)
 
     def _system(self, problem):
-        if self.scene["solver.method"] == "full":
+        if self.scene.solver.method == "full":
             return FullSystem(problem)
         return CondensedSystem(problem, self._compliance)
 
     @cached_property
     def _compliance(self):
-        return Compliance(self.body)
+        return SurfaceCompliance(self.body)
 
     def _far_field(self):
         """Displacement of line loads: far away a coating is not seen."""

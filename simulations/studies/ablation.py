@@ -15,8 +15,7 @@ from ..command.command import comm, on_root, run, say
 from ..output.files import write_table, write_text
 from ..run.comparison import relative_l2
 from ..run.simulation import Simulation
-from ..scene.language import SceneError
-from ..scene.scene import DEFAULT_SCENE, parse
+from ..scene import DEFAULT_SCENE, SceneError, parse
 from .commandline import make_folders, study_parser
 
 REPEATS = 3

@@ -11,7 +11,7 @@ from matplotlib.ticker import MaxNLocator
 from ..command.command import comm, on_root, run, say
 from ..output.body_states import BodyState, read_states
 from ..output.style import panels, save, style
-from ..scene.language import SceneError
+from ..scene import SceneError
 from .commandline import make_folders, study_parser
 
 REACH, DEPTH = 1.6, 1.6  # drawn part of the body, in contact half-widths a

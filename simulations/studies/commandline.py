@@ -5,7 +5,7 @@ from pathlib import Path
 
 from .. import __version__
 from ..command.command import Parser, writable
-from ..scene.language import SceneError
+from ..scene import SceneError
 
 
 def study_parser(name: str, description: str | None, output: str | None = None, page: str | None = None) -> Parser:

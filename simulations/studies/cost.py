@@ -16,8 +16,7 @@ from pathlib import Path
 
 from ..command.command import comm, on_root, run, say
 from ..output.files import write_table
-from ..scene import accuracy
-from ..scene.language import SceneError
+from ..scene import SceneError, accuracy
 from .commandline import make_folders, study_parser
 from .costs import sweeps
 from .costs.cases import Case, cases

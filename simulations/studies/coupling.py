@@ -17,7 +17,7 @@ from analytic import GradedHalfPlane, HalfPlaneContact, PowerLawKernel, PowerPro
 from ..command.command import comm, on_root, run, say
 from ..output.files import write_table
 from ..output.style import RED
-from ..scene.language import SceneError
+from ..scene import SceneError
 from .commandline import make_folders, study_parser
 from .engine import FAILED, Item, Row, run_all, workers
 from .store import Store

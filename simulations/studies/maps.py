@@ -11,7 +11,7 @@ import numpy as np
 from ..command.command import comm, on_root, run, say
 from ..output.files import write_text
 from ..output.style import save, style
-from ..scene.language import SceneError
+from ..scene import SceneError
 from .commandline import make_folders, study_parser
 from .engine import FAILED, Item, run_all, workers
 from .mapping import pictures

@@ -23,8 +23,7 @@ from ..run.comparison import compare
 from ..run.energy import EnergyMeter, worst_defect
 from ..run.reference import ClosedForm, NoReference, of_same_physics
 from ..run.simulation import Simulation
-from ..scene.language import SceneError
-from ..scene.scene import Scene, resolve
+from ..scene import Scene, SceneError, make_scene
 from .commandline import make_folders, study_parser
 from .engine import FAILED as NO_ROW
 from .engine import Item, run_all, workers
@@ -64,7 +63,7 @@ def solve(values: dict) -> dict:
     """One case: how it ended (``outcome``, ``why``) and its numbers."""
     start = time.perf_counter()
     try:
-        row = _measure(resolve(values))
+        row = _measure(make_scene(values, base=None))
     except SceneError as reason:
         row = {"outcome": REFUSED, "why": str(reason)}
     except SolveError as reason:
@@ -83,9 +82,9 @@ def _measure(scene: Scene) -> dict:
     checks = check(history, simulation.scaled.indenter.height, "coupling" in simulation.effects)
     defects = {name: c.value for name, c in checks.items() if not c.holds}
     balance = worst_defect(meter.steps, ENERGY_ROUND_OFF * tolerance / ENERGY)
-    if balance > (CONSISTENCY if scene["solver.theta"] else ENERGY):
+    if balance > (CONSISTENCY if scene.solver.theta else ENERGY):
         defects["energy balance"] = balance
-    drifting = drift(history) if scene.values.get("load.cycles", 0) > 1 else 0.0
+    drifting = drift(history) if scene.cycles > 1 else 0.0
     if drifting > max(DRIFT, 10 * tolerance):
         defects["drift"] = drifting
     unsettled = max(entry.residual / entry.tolerance for entry in history.entries)
@@ -120,7 +119,7 @@ def _errors(simulation: Simulation) -> dict[str, float]:
         reference = of_same_physics(simulation)
     except NoReference:
         return {}
-    if isinstance(reference, ClosedForm) or simulation.scene["reference.kind"] == "half-plane":
+    if isinstance(reference, ClosedForm) or simulation.scene.reference.kind == "half-plane":
         return compare(simulation.history, reference)
     return {}
 

@@ -19,9 +19,7 @@ from ..output.results import Results, begin
 from ..run import checks, comparison, reference
 from ..run.simulation import Simulation
 from ..scene.effects import Effects
-from ..scene.language import SceneError
-from ..scene.scene import DEFAULT_SCENE, Scene, parse
-from ..scene.text import read_keys
+from ..scene import DEFAULT_SCENE, Scene, SceneError, parse
 from .engine import FAILED, Item, Row, run_all
 from .store import Store
 from .variation import Changes, base_of, check, overrides, product
@@ -141,7 +139,7 @@ def prepared(scene: Scene, previous: Simulation | None) -> Simulation:
 
 def reusable(previous: Simulation, scene: Scene) -> bool:
     """True where the scene's own mesh, in scaled units, is that of ``previous``: what is shared changes no number."""
-    mine, other = read_keys(scene.to_toml()), read_keys(previous.scene.to_toml())
+    mine, other = scene.to_keys(), previous.scene.to_keys()
     free = SCALES | RUN_ONLY
     if scene.has_closed_form and previous.scene.has_closed_form:
         free = free | UNCOUPLED
@@ -158,7 +156,7 @@ def compile_forms(text: str, sets: tuple[str, ...], cases: list[Changes]):
     for changes in cases:
         try:
             scene = parse(text, (*sets, *overrides(changes)))
-            keys, effects = read_keys(scene.to_toml()), Effects(scene)
+            keys, effects = scene.to_keys(), Effects(scene)
             names = ("mesh.degree", "solid.modulus", "indenter.profile", "solver.theta")
             kind = (*(keys[name] for name in names), scene.k == 0, *(v.on for v in effects.verdicts.values()))
             if kind not in seen:

@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from ..scene.language import SceneError, one_line, shown
-from ..scene.scene import parse
+from ..scene import SceneError, parse, shown
+from ..scene.errors import one_line
 from ..scene.text import flatten, read_keys, read_value, written
 
 Changes = dict[str, Any]  # keys of a scene and their values

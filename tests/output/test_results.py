@@ -12,7 +12,7 @@ from solving import of_the_closed_form
 
 from simulations import fretting
 from simulations.loading.stepping import LoadProgramme, SolveError
-from simulations.scene.scene import language, parse
+from simulations.scene import language, parse
 
 
 @pytest.fixture(scope="module")
@@ -44,9 +44,9 @@ def test_scene_is_resolved_and_can_be_run_again(default_run):
     text = (default_run / "scene.toml").read_text()
     assert "# dolfinx 0.9" in text
     scene = parse(text)
-    assert set(scene.values) <= set(language()) and "solid.y0_over_a0" not in scene.values
+    assert set(scene.to_keys()) <= set(language()) and "solid.y0_over_a0" not in scene.to_keys()
     assert parse(scene.to_toml()) == scene
-    assert scene["solid.y0"] == pytest.approx(10 * scene.a0, rel=1e-12)
+    assert scene.solid.y0 == pytest.approx(10 * scene.a0, rel=1e-12)
 
 
 def test_history(default_run, summary):

@@ -18,7 +18,7 @@ from solving import coarse_simulation
 
 import simulations.sweep as command
 from simulations import SceneError, sweep
-from simulations.scene.scene import DEFAULT_SCENE, parse
+from simulations.scene import DEFAULT_SCENE, parse
 from simulations.studies import sweeping
 from simulations.studies.sweeping import prepared, reusable
 from simulations.studies.variation import product, read_vary

@@ -9,7 +9,7 @@ from petsc4py import PETSc
 from ...run import reference
 from ...run.comparison import compare
 from ...run.simulation import Simulation
-from ...scene.scene import parse
+from ...scene import parse
 from ...solvers.newton import bulk_solver
 from .cases import Case
 

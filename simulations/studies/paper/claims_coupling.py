@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from analytic.half_plane.linear import ContactNotConverged
 
 from analytic import PowerProfile
+from analytic.half_plane.linear import ContactNotConverged
 
 from ...run.comparison import relative_l2
 from ..engine import FAILED, Item, run_all
