@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from .run.reference import closed_form, of_same_physics
     from .run.simulation import Simulation
     from .scene import DEFAULT_SCENE, Scene, SceneError, language, make_scene, parse
+    from .studies.sweeping import sweep
 
 _EXPORTS = {
     "compare": "run.comparison",
@@ -34,6 +35,7 @@ _EXPORTS = {
     "language": "scene",
     "parse": "scene",
     "Simulation": "run.simulation",
+    "sweep": "studies.sweeping",
 }
 __all__ = [
     "DEFAULT_SCENE",
@@ -49,6 +51,7 @@ __all__ = [
     "of_same_physics",
     "parse",
     "run",
+    "sweep",
 ]
 
 

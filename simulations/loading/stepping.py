@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 from ..fem.contact_problem import ContactProblem, X, Y
-from ..solvers.newton import Newton, NewtonResult, System
+from ..solvers.newton import FORCE_TOLERANCE, Newton, NewtonResult, System
 from .anchors import Newcomers
 from .pinning import HeldPoint
 from .schedule import Increment
@@ -45,13 +45,20 @@ class LoadProgramme:
 
     normal: the frictionless problem; frictional: the one that takes over when tangential loading starts, or from
     the first contact on (``friction_first``), or None; system: function from a problem to the newton.System that
-    solves it.
+    solves it; tolerance: Newton's, of forces and loads over P.
     """
 
-    def __init__(self, normal: ContactProblem, frictional: ContactProblem | None, system, friction_first=False):
+    def __init__(
+        self,
+        normal: ContactProblem,
+        frictional: ContactProblem | None,
+        system,
+        friction_first=False,
+        tolerance: float = FORCE_TOLERANCE,
+    ):
         self.problem, self.normal, self.frictional = normal, normal, frictional
         self.body, self._system = normal.body, system
-        self._friction_first = friction_first
+        self._friction_first, self._tolerance = friction_first, tolerance
         self.confirms = False  # set before ``run``: solves under Coulomb's law as it is are confirmed (newton.Newton)
 
     @property
@@ -98,7 +105,7 @@ class LoadProgramme:
         return HeldPoint(self.problem)
 
     def _start(self, problem):
-        return Newton(self._system(problem), self.body.mesh.comm)
+        return Newton(self._system(problem), self.body.mesh.comm, tolerance=self._tolerance)
 
     def _begin_friction(self):
         self._normal_newton, self.problem = self._newton, self.frictional

@@ -10,8 +10,8 @@ from ..run.reference import Reference
 from ..run.simulation import Simulation
 from ..run.springs import Springs
 from .files import on_disk
+from .style import COLOURS
 
-COLOURS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#D55E00")  # colour-blind safe
 STYLES = ("-", "--")
 DOTS = 45  # computed points shown a curve
 MOST_STATES = 5

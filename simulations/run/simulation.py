@@ -22,6 +22,7 @@ from ..scene.scaling import Scaled
 from ..solvers.condensed.surface_compliance import SurfaceCompliance
 from ..solvers.condensed.system import CondensedSystem
 from ..solvers.full import FullSystem
+from ..solvers.newton import FORCE_TOLERANCE
 from .expected_edges import expected_edges
 from .history import Entry, History
 from .limits import check_depth, check_parameters, check_resolution, check_round_off, check_size
@@ -50,10 +51,11 @@ class Simulation:
         cells: Grading | None = None,
         like: "Simulation | None" = None,
         watch: Stopwatch | None = None,
+        tolerance: float = FORCE_TOLERANCE,
     ):
         """cells: of the mesh, where they are not those of the scene; like: a simulation of the same solid (k, nu,
         coating), whose mesh, stiffness and compliance this one takes over, whatever its loads, friction and cylinder:
-        it then ends that one; watch: what measures the phases.
+        it then ends that one; watch: what measures the phases; tolerance: Newton's, of forces and loads over P.
         """
         self.scene, self.effects, self.watch = scene, Effects(scene), watch or Stopwatch()
         self.scaled = Scaled.of(scene)
@@ -85,7 +87,7 @@ class Simulation:
                 directions = (X, Y) if "coupling" in self.effects else (X,)
                 frictional = ContactProblem(self.body, indenter.height, nitsche, directions, self.mu)
         self.solver = LoadProgramme(
-            normal, frictional, self._system, "friction in normal stage" in self.effects
+            normal, frictional, self._system, "friction in normal stage" in self.effects, tolerance
         )
         self.body.delta.value[Y] = indenter.height(1.0)  # overlap on |x| < a: where Newton starts
         self.sampler = SurfaceSampler(self.body, normal, scene.friction and "coupling" not in self.effects)

@@ -27,9 +27,8 @@ BULK_OPTIONS = {
     "mat_mumps_icntl_14": 60,  # working space, per cent
 }
 BULK_PREFIX = "fretting_bulk_"
-FORCE_TOLERANCE = 1e-9  # force residual / P, where round-off lets it get there
+FORCE_TOLERANCE = 1e-9  # force residual and load imbalance / P, where round-off lets them get there
 ROUND_OFF = 4.0  # residuals are balanced this many times above the last digits' own, measured for k from -0.9 to 0
-LOAD_TOLERANCE = 1e-9  # load imbalance / P
 SETTLED = 1e-11  # force residual / P above which a balanced state gets one more step: what is left of a long first one
 ROUNDS = 3  # the same change of contact states as often as this is a cycle (twice may be luck near a singular tangent)
 STEP_TOLERANCE = 1e-11  # a step this small (relative) ends the iteration if round-off holds the residual up ...
@@ -128,10 +127,10 @@ class _Operator:
 
 
 class Newton:
-    """Solves a System for given line loads, from its present state."""
+    """Solves a System for given line loads, from its present state; tolerance: of forces and loads, over P."""
 
-    def __init__(self, system: System, comm, prefix: str = "fretting_"):
-        self.system = system
+    def __init__(self, system: System, comm, prefix: str = "fretting_", tolerance: float = FORCE_TOLERANCE):
+        self.system, self._wanted = system, tolerance
         self.x, self._f = system.create_vector(), system.create_vector()
         shape = (self.x.getLocalSize(), None)
         jacobian = PETSc.Mat().createPython((shape, shape), _Operator(system), comm)
@@ -146,7 +145,7 @@ class Newton:
         with_defaults(prefix, SNES_OPTIONS, self.snes.setFromOptions)
         self._polished = False
         self._last_force = np.inf
-        self._scale, self._norms, self._tolerance = 1.0, (np.inf, np.inf), FORCE_TOLERANCE
+        self._scale, self._norms, self._tolerance = 1.0, (np.inf, np.inf), tolerance
         self._states = None
         self._changes: list[int] = []
         self._seen: dict[bytes, int] = {}
@@ -198,11 +197,11 @@ class Newton:
         self._scale = abs(load[1])
         self.system.begin(load, self.x)
         attainable = ROUND_OFF * self.system.problem.terms.round_off() / self._scale
-        self._tolerance = min(max(FORCE_TOLERANCE, attainable), ATTAINABLE)
+        self._tolerance = min(max(self._wanted, attainable), ATTAINABLE)
 
     def _balanced(self):
         force, imbalance = self._norms
-        return force <= self._tolerance and imbalance <= max(LOAD_TOLERANCE, self._tolerance)
+        return force <= self._tolerance and imbalance <= max(self._wanted, self._tolerance)
 
     def _step(self):
         step = self.x.duplicate()
@@ -262,7 +261,7 @@ class Newton:
         at_rest = self._changes[-2:] == [0, 0] and force > before / 10
         if cycles:
             return reason.DIVERGED_INNER
-        if (small_step or at_rest) and force <= ATTAINABLE and imbalance <= 10 * LOAD_TOLERANCE:
+        if (small_step or at_rest) and force <= ATTAINABLE and imbalance <= 10 * self._wanted:
             return reason.CONVERGED_SNORM_RELATIVE
         if last:
             return reason.DIVERGED_MAX_IT

@@ -6,8 +6,10 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 
+from ..output import style
+
 GREEN, REFUSED, FAILED, WRONG = "green", "refused", "no answer", "wrong"
-COLOURS = {GREEN: "#009E73", REFUSED: "#E69F00", FAILED: "#0072B2", WRONG: "#D55E00"}  # colour-blind safe
+COLOURS = {GREEN: style.GREEN, REFUSED: style.ORANGE, FAILED: style.BLUE, WRONG: style.RED}
 MEANING = {
     GREEN: "converged, all checks hold",
     REFUSED: "refused with the reason",
