@@ -1,4 +1,4 @@
-"""k close to 0, where the far field is a translation of order 1/k and little else, and close to 1, where dy/ds underflows."""
+"""k close to 0, where the far field is nearly a translation of order 1/k; k close to 1, where dy/ds underflows."""
 
 import numpy as np
 import pytest
@@ -41,7 +41,8 @@ def test_close_to_one_it_still_matches_the_closed_form():
 
 @pytest.mark.parametrize("k", [0.99, 0.999, 1 - 1e-12])
 def test_too_close_to_one_is_refused_in_a_line(k):
-    with pytest.raises(SceneError, match=r"solid.k = 0.99.* is too close to 1: .*; 0.985 or less is possible") as refusal:
+    reason = r"solid.k = 0.99.* is too close to 1: .*; 0.985 or less is possible"
+    with pytest.raises(SceneError, match=reason) as refusal:
         coarse_simulation(**UNCOUPLED, solid__k=k)
     assert "\n" not in str(refusal.value)
 

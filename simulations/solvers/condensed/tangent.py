@@ -113,7 +113,7 @@ class DenseTangent:
         return np.concatenate([x[: self._size] + self._tangent @ strip, self._sums @ x])
 
     def _states(self, tangent):
-        """Rows (mn,) of T that are zero; rows that are a multiple of the same node's pressure row; and those multiples."""
+        """Rows (mn,) of T that are zero; rows that are a multiple of their node's pressure row; and those multiples."""
         size = np.maximum.reduceat(np.abs(tangent.data), tangent.indptr[:-1])
         free, sliding, ratio = size == 0.0, np.zeros(self._size, dtype=bool), np.zeros(self._size)
         n = self._size // 2
