@@ -94,10 +94,7 @@ together() {
     "$run" mpirun -n 2 sh -c 'sleep 1; echo x >>second' & second=$!
     wait "$first" && wait "$second" && [[ $(wc -l <first) == 2 && $(wc -l <second) == 2 ]]
 }
-interrupted() { # SIGNAL: the command is told and ends by itself, and nothing is left of it
-    local job status=0
-    rm -f told begun
-    "$run" python -c '
+cat >"$work/own/tell.py" <<'PROGRAM' # tells which signal it got, and ends by itself
 import signal, sys, time
 def tell(number, frame):
     open("told", "w").write(str(number))
@@ -105,10 +102,23 @@ def tell(number, frame):
 signal.signal(signal.SIGINT, tell)
 signal.signal(signal.SIGTERM, tell)
 open("begun", "w").close()
-time.sleep(60)' & job=$!
+time.sleep(60)
+PROGRAM
+told() { # NUMBER JOB COMMAND…: once the program has begun, the command makes the job end with that signal
+    local number=$1 job=$2 status=0
+    shift 2
     for _ in {1..300}; do [[ -e begun ]] && break; sleep 0.1; done
-    kill -s "$1" "$job" && wait "$job" || status=$?
-    [[ -s told && $status == 130 ]] || { echo "status $status" && ls && return 1; }
+    "$@"
+    wait "$job" || status=$?
+    [[ $status == 130 && $(<told) == "$number" ]] || { echo "status $status" && ls && return 1; }
+}
+signalled() { # NUMBER
+    rm -f told begun
+    "$run" python tell.py & told "$1" $! kill -s "$1" $!
+}
+typed() { # Ctrl-C in a terminal
+    rm -f told begun keys && mkfifo keys
+    script -qec "'$run' python tell.py" /dev/null <>keys >/dev/null & told 2 $! sh -c 'printf "\003" >keys'
 }
 
 cd "$work/own" || exit
@@ -132,8 +142,9 @@ check "standard input arrives" input
 check "standard input arrives at rank 0" rank_input
 check "the exit status arrives" status
 check "two runs at once" together
-check "SIGINT ends the command" interrupted INT
-check "SIGTERM ends the command" interrupted TERM
+check "SIGINT ends the command" signalled 2
+check "Ctrl-C in a terminal ends the command" typed
+check "SIGTERM ends the command" signalled 15
 for folder in / /usr /etc /bin /lib /proc /opt/stack /var; do
     [[ ! -d $folder ]] || check "--mount $folder is refused" refused "$folder" "$run" --mount "$folder" true
 done
@@ -153,7 +164,8 @@ if [[ ${1-} == --jobs ]]; then
     check "which belongs to the caller" mine results/summary.json
     check "two ranks, own scene, output elsewhere" "$run" mpirun -n 2 python -m simulations.fretting scene.toml --output ../other/fretting
     check "which belongs to the caller, too" mine ../other/fretting/summary.json
-    check "a script of the checkout" within "$root" "$run" python examples/profiles.py --help
+    check "a script of the checkout" "$run" python "$root/examples/profiles.py" picture.png
+    check "whose picture belongs to the caller" mine picture.png
 fi
 echo "$checks checks, $failures failed, $SECONDS s"
 exit "$failures"
