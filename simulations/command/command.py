@@ -5,6 +5,7 @@ that cannot be written 5, a signal 128 and its number (``stopping``). Anything u
 ranks, so that none waits for another.
 """
 
+import ctypes
 import os
 import sys
 import time
@@ -74,22 +75,25 @@ def _failed(error, code: int) -> int:
 
 def _leave_together(code):
     """Exit once every rank has come here, rank 0 last and with the code of all: else mpirun ends the rest noisily."""
+    together = None
     if comm.size > 1:
         together, waited = comm.Ibarrier(), time.monotonic()
         while not together.Test():
             if code and time.monotonic() - waited > PATIENCE:
                 comm.Abort(code if isinstance(code, int) else 1)
             time.sleep(0.01)
-    if not code or comm.size == 1:
-        sys.exit(code)
-    rank, code = comm.rank, code if isinstance(code, int) else 1
+    rank = comm.rank
+    if isinstance(code, str):
+        say(code, file=sys.stderr)
+        code = 1
     PETSc._finalize()  # here, where every rank does
     if not MPI.Is_finalized():
         MPI.Finalize()
     sys.stdout.flush()
-    if rank == 0:
+    ctypes.CDLL(None).fflush(None)  # what PETSc has printed
+    if rank == 0 and code and together:
         time.sleep(LAST)
-    os._exit(0 if rank else code)
+    os._exit(0 if rank else code)  # not through the interpreter's own end, in which a signal would find no handler
 
 
 def _warn_in_one_line():

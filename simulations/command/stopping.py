@@ -1,9 +1,10 @@
 """How a command ends when a signal asks it to: at once, with one line that says how to go on, and its own exit code.
 
 States are kept after every increment, each file whole or not at all, so that nothing is lost by ending anywhere. No
-exception is raised for it: libraries in the middle of their work lose or misreport those. A thread hears of the signal,
-writes what there is and ends the process. Where even that is not possible (SIGKILL, a library that does not let go
-before mpirun kills), a second process, the ``_Herald``, sees the end of this one and says the line in its stead.
+exception is raised for it: libraries in the middle of their work lose or misreport those. The handler, or a thread
+where the main one is busy in a library, writes what there is and ends the process. Where even that is not possible
+(SIGKILL, a library that does not let go before mpirun kills), a second process, the ``_Herald``, sees the end of this
+one and says the line in its stead.
 """
 
 import os
@@ -11,6 +12,7 @@ import signal
 import subprocess
 import sys
 import threading
+import time
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
@@ -19,6 +21,7 @@ STOPPING = ("SIGINT", "SIGTERM", "SIGHUP", "SIGXCPU", "SIGUSR1")  # the last two
 RANK = ("OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK", "SLURM_PROCID")
 MANAGERS = ("mpirun", "prterun", "mpiexec", "orterun")
 AFTER_ROOT = 0.5  # s that other ranks wait before they end, as mpirun then ends rank 0
+FIRST = 0.05  # s
 GIVEN = 5.0  # s for the last words and files
 HERALD = """trap '' INT TERM HUP
 while read -r line; do [ "$line" = "" ] && exit 0; words=$line; done
@@ -32,7 +35,7 @@ class Stopping:
     """
 
     def __init__(self):
-        self.is_root, self._is_listening = True, False
+        self.is_root, self._is_listening, self._ending = True, False, threading.Lock()
         self._go_on = "nothing was begun; start again with the same command"
         self.keep: Callable[[str], None] | None = None
         self._herald: _Herald | None = None
@@ -57,7 +60,7 @@ class Stopping:
         for name in STOPPING:
             number = getattr(signal, name)
             if signal.getsignal(number) is not signal.SIG_IGN:  # nohup, or a shell's background job
-                signal.signal(number, lambda *_: None)
+                signal.signal(number, self._end)
 
     def tell(self, go_on: str, keep: Callable[[str], None] | None = None):
         """Set what is said and done from now on."""
@@ -78,22 +81,32 @@ class Stopping:
 
     def _hear(self, reading):
         while number := os.read(reading, 1)[0]:
-            if number not in [getattr(signal, name) for name in STOPPING]:
-                continue
-            threading.Timer(GIVEN, os._exit, [128 + number]).start()
-            if not self.is_root:
-                threading.Event().wait(AFTER_ROOT)
-                os._exit(128 + number)
-            reason, keep = f"stopped by {signal.Signals(number).name}", self.keep
-            with suppress(OSError):
-                start = "\n" if os.isatty(self._stderr) else ""  # below the line that is written over
-                os.write(self._stderr, f"{start}{self._line(reason)}\n".encode())
-            with suppress(BaseException):  # whatever state the rest is in
-                if self._herald:
-                    self._herald.leave()
-                if keep:
-                    keep(reason)
-            os._exit(128 + number)
+            if number in [getattr(signal, name) for name in STOPPING]:
+                time.sleep(FIRST)  # the main thread is the better one to end in, if it is free
+                self._end(number)
+
+    def _end(self, number, frame=None):
+        """Say the line, keep what there is and end. Called by the thread, and as the handler in the main thread."""
+        if not self._ending.acquire(blocking=False):
+            while True:  # the other one ends the process; nothing else is to happen meanwhile
+                time.sleep(GIVEN)
+        code, reason = 128 + number, f"stopped by {signal.Signals(number).name}"
+        last = threading.Timer(GIVEN, os._exit, [code])
+        last.daemon = True
+        last.start()
+        signal.setitimer(signal.ITIMER_REAL, 2 * GIVEN)  # should even that thread not come to its turn
+        if not self.is_root:
+            time.sleep(AFTER_ROOT)
+            os._exit(code)
+        with suppress(OSError):
+            start = "\n" if os.isatty(self._stderr) else ""  # below the line that is written over
+            os.write(self._stderr, f"{start}{self._line(reason)}\n".encode())
+        with suppress(BaseException):  # whatever state the rest is in
+            if self._herald:
+                self._herald.leave()
+            if self.keep:
+                self.keep(reason)
+        os._exit(code)
 
 
 class _Herald:

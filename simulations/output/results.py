@@ -18,6 +18,7 @@ from .folder import versions
 from .plots import plot_run
 from .table import table
 
+LONGEST_WRITE = 1.0  # s that a run which is stopped waits for a file that is being written
 EVERY = 10.0  # seconds between two versions of history.csv and surface.h5 while the run goes on
 
 
@@ -57,6 +58,8 @@ class Results:
 
     def keep(self, failure: str):
         """Write what there is of a run that ends before its time, on rank 0; what cannot be written is left out."""
+        if not output.writing.acquire(timeout=LONGEST_WRITE):
+            return  # a disk that does not answer
         with suppress(OSError):
             if self.simulation.history.entries:
                 self._write_tables()
