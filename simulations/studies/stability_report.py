@@ -13,7 +13,7 @@ COLOURS = {GREEN: style.GREEN, REFUSED: style.ORANGE, FAILED: style.BLUE, WRONG:
 MEANING = {
     GREEN: "converged, all checks hold",
     REFUSED: "refused with the reason",
-    FAILED: "ended with the reason, no answer",
+    FAILED: "without an answer",
     WRONG: "off the reference though all checks hold",
 }
 
