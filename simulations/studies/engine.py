@@ -20,6 +20,8 @@ from mpi4py import MPI
 from mpi4py.futures import MPICommExecutor
 
 from ..command.progress import duration
+from ..output.files import OutputError
+from ..scene import SceneError
 from .store import Store
 
 Row = dict[str, Any]
@@ -41,13 +43,20 @@ class Item:
 def workers(comm: MPI.Comm) -> Iterator[Executor | None]:
     """An executor over the other ranks on rank 0; None on the others, which work until rank 0 leaves, and on one rank.
 
-    Who has nothing to do takes the next run. Collective.
+    Who has nothing to do takes the next run. What rank 0 cannot write is raised on every rank. Collective.
     """
     if comm.size == 1:
         yield None
         return
+    failure = None
     with MPICommExecutor(comm, root=0, backoff=POLL) as executor:
-        yield executor
+        try:
+            yield executor
+        except (SceneError, OutputError) as reason:  # of rank 0
+            failure = reason
+    failure = comm.bcast(failure)
+    if failure is not None:
+        raise failure
 
 
 def run_all(
@@ -62,7 +71,8 @@ def run_all(
 
     What the store holds is not run again; a failed run is told, never kept (another call tries it again), and never the
     end of the others. executor: None, or where runs may go; takes_part: this process works too, from the end of the
-    list, so that N ranks do the work of N. tell: called with lines of progress.
+    list, so that N ranks do the work of N. tell: called with lines of progress. OutputError where the store cannot be
+    written.
     """
     items = list(items)
     kept = store.read() if store else {}
@@ -72,31 +82,44 @@ def run_all(
     def finish(number: int, row: Row):
         rows[number] = row
         if store and FAILED not in row:
-            store.keep(_key(items[number]), items[number].values, row)
+            try:
+                store.keep(_key(items[number]), items[number].values, row)
+            except OSError as error:
+                reason = f"{store.path} cannot be written: {error.strerror or error}"
+                raise OutputError(f"{reason}; the same command goes on where it was") from None
         progress.step(items[number].name, row)
 
     missing = [number for number in range(len(items)) if number not in rows]
-    if executor is None:
-        for number in missing:
-            finish(number, _attempt(work, items[number].values))
-        return [rows[number] for number in range(len(items))]
-    waiting: dict[Future, int] = {executor.submit(_remote, work, items[n].values): n for n in missing}
+    try:
+        if executor is None:
+            for number in missing:
+                finish(number, _attempt(work, items[number].values))
+        else:
+            waiting = {executor.submit(_remote, work, items[number].values): number for number in missing}
+            _share(waiting, lambda number: _attempt(work, items[number].values), finish, takes_part)
+    except KeyboardInterrupt:
+        if tell and store:
+            tell("stopped; the same command goes on where it was")
+        raise
+    return [rows[number] for number in range(len(items))]
+
+
+def _share(waiting: dict[Future, int], attempt: Callable[[int], Row], finish: Callable[[int, Row], None], takes_part):
+    """Finish what comes back, until nothing is out; meanwhile this process works from the end of the list."""
     try:
         while waiting:
             for future in [future for future in waiting if future.done()]:
                 finish(waiting.pop(future), _result(future))
-            # a run that is cancelled before it began is this process's own
+            # what can still be cancelled has not begun, and is this process's own from now on
             mine = next((future for future in reversed(waiting) if future.cancel()), None) if takes_part else None
             if mine is not None:
                 number = waiting.pop(mine)
-                finish(number, _attempt(work, items[number].values))
+                finish(number, attempt(number))
             else:
                 wait(waiting, return_when=FIRST_COMPLETED)
-    except BaseException:
+    finally:
         for future in waiting:
             future.cancel()
-        raise
-    return [rows[number] for number in range(len(items))]
 
 
 def _key(item: Item) -> str:

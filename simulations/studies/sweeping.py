@@ -141,7 +141,7 @@ def reusable(previous: Simulation, scene: Scene) -> bool:
     """True where the scene's own mesh, in scaled units, is that of ``previous``: what is shared changes no number."""
     mine, other = scene.to_keys(), previous.scene.to_keys()
     free = SCALES | RUN_ONLY
-    if scene.has_closed_form and previous.scene.has_closed_form:
+    if scene.contact_has_closed_form and previous.scene.contact_has_closed_form:
         free = free | UNCOUPLED
     if mine["indenter.profile"] != "parabola" or not scene.is_power_law:  # shapes and layers with lengths of their own
         free = free - SCALES

@@ -8,6 +8,7 @@ from multiprocessing import get_context
 import pytest
 from conftest import run_command
 
+from simulations.output.files import OutputError
 from simulations.studies.engine import FAILED, Item, run_all
 from simulations.studies.store import Store
 
@@ -107,7 +108,7 @@ def test_other_values_are_another_run(tmp_path):
 
 def test_a_full_disk_is_no_row(tmp_path):
     """What cannot be kept ends the study: it would be lost."""
-    with pytest.raises(OSError):
+    with pytest.raises(OutputError, match="runs.jsonl cannot be written"):
         run_all(ITEMS, square, Store(tmp_path / "absent" / "runs.jsonl"))
 
 

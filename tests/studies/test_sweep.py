@@ -274,4 +274,5 @@ def test_memory_is_flat(monkeypatch):
     monkeypatch.setattr(sweeping, "run_scene", watched)
     sweep(vary={"solid.k": [0.1 * n for n in range(1, 9)]}, sets=(*COARSE_SETS, "load.cycles=0"))
     gc.collect()
+    gc.collect()  # what the first pass set free
     assert len(bodies) == 8 and sum(body() is not None for body in bodies) == 0

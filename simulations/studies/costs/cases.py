@@ -116,8 +116,8 @@ def cases(with_getfem: bool = True) -> list[Case]:
         for ranks in (1, 2):
             found.append(Case("size", "default", f"{unknowns:.0e} on {ranks}", sizes, ranks))
     found += [Case("peer", "peer", f"{t:g}", accuracy.family(t, 0.0) | {"solver.increments": 10}) for t in FINENESS[:7]]
-    levels = [("20 commands", 1), ("one sweep of 20", 1), ("one sweep of 20, with folders", 1), ("one sweep of 20", 2)]
-    found += [Case("sweep", "k=0", f"{level} on {ranks}", SWEPT, ranks) for level, ranks in levels]
+    ways = [("20 commands", 1), ("one sweep of 20", 1), ("one sweep of 20, with folders", 1), ("one sweep of 20", 2)]
+    found += [Case("sweep", "k=0", f"{level} on {ranks}", SWEPT, ranks) for level, ranks in ways]
     if with_getfem:
         found += [Case("peer", "GetFEM", f"{t:g}") for t in GETFEM]
     return found
