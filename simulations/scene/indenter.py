@@ -155,7 +155,7 @@ def _is_arithmetic(node, names):
 def _constant(node) -> float | None:
     """Value of a part without names; OverflowError or ZeroDivisionError before sympy computes it with all digits."""
     if isinstance(node, ast.Constant):
-        return float(node.value)
+        return float(node.value)  # type: ignore[arg-type]  # a number: _is_arithmetic
     if isinstance(node, ast.UnaryOp):
         value = _constant(node.operand)
         return None if value is None else abs(value)

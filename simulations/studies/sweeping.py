@@ -15,11 +15,12 @@ from typing import Any
 from mpi4py import MPI
 
 from ..output.files import write_table
-from ..output.results import Results, begin
+from ..output.folder import begin
+from ..output.results import Results
 from ..run import checks, comparison, reference
 from ..run.simulation import Simulation
-from ..scene.effects import Effects
 from ..scene import DEFAULT_SCENE, Scene, SceneError, parse
+from ..scene.effects import Effects
 from .engine import FAILED, Item, Row, run_all
 from .store import Store
 from .variation import Changes, base_of, check, overrides, product

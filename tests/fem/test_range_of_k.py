@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 from conftest import coarse_arguments, run_command
-from simulations.scene import SceneError
 from solving import coarse_simulation, deviations, solved
+
+from simulations.scene import SceneError
 
 UNCOUPLED = {"solid__nu": 0.3, "effects__coupling": "false", "load__cycles": 0}
 
