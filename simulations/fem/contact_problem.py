@@ -65,8 +65,11 @@ class ContactProblem:
             gap = contact.gap(u, profile, body.delta)
             pressure = tractions[Y] = contact.contact_pressure(traction, gap, gamma)
             self._pressure = self._expression(pressure)
+            self._clearance = self._expression(contact.clearance(traction, gap, gamma))
+            self._clearances = self._point_values("clearance")
         else:
             pressure = self._held_pressure = self._point_values("pressure")
+            self._clearances = self._point_values("clearance")
         closed = ufl.conditional(ufl.gt(pressure, 0.0), float(CLOSED), float(OPEN))
         if self.friction:
             self.mu = fem.Constant(body.mesh, 0.0)
@@ -235,6 +238,16 @@ class ContactProblem:
         self._interpolate(self._scratch, self._rest)
         return self._scratch.x.array[self._surface_points]
 
+    def anchors(self) -> np.ndarray:
+        """Anchors of the surface points of this rank's cells (m,)."""
+        return self.anchor.x.array[self._surface_points]
+
+    def clearances(self) -> np.ndarray:
+        """How far the surface points of this rank's cells are from touching (m,), zero in contact [length]."""
+        if Y in self.directions:
+            self._interpolate(self._clearances, self._clearance)
+        return self._clearances.x.array[self._surface_points]
+
     def move_anchors(self, which: np.ndarray, positions: np.ndarray):
         """Anchor those surface points of this rank's cells (bool (m,)) at these positions (m,)."""
         self.anchor.x.array[self._surface_points[which]] = positions[which]
@@ -254,6 +267,7 @@ class ContactProblem:
         self.held_forces = normal.nodal_forces(Y)  # all of them for theta = 0
         self.held_state.x.array[:] = self.body.state.x.array
         self._interpolate(self._held_pressure, normal._pressure)
+        self._interpolate(self._clearances, normal._clearance)
 
     def held(self) -> tuple[fem.Function, fem.Function, np.ndarray | None]:
         """What ``hold_pressure`` keeps: state, pressure and nodal forces."""

@@ -1,85 +1,228 @@
-"""Points that come to stick within an increment, and where they do.
+"""Anchors of points that enter contact or come to stick within a load step, on the curve that the edges draw.
 
-As the contact grows, the edges of contact and of stick pass points one after the other, and each of them stops where
-the surface is at that moment. Anchored where they were when the increment began they would all be too early, the
-last the most: a sawtooth in the traction, a tooth an increment, which smaller increments only make finer. Instead they
-are anchored on the curve that the edge has drawn.
+The anchor of such a point is its relative displacement s when an edge passed it, somewhere between the loads before
+and after the step. Two relations give it from the states before and after:
+
+* A point that is still open moves along s as it comes closer: ds = -r d(clearance), with a ratio r that hardly changes
+  within a step (in uncoupled contact it is constant, alpha dQ/dP). One that enters is anchored at
+  s_before + r clearance_before; r is measured on points that are open still.
+* A point that slides comes to a smooth stop as the edge of stick passes it: after the stick edge has moved from c0 to
+  c1 it has slid by B ((x - c0)^m - (x - c1)^m), m = (5 - k)/2, and where it sticks by B (x - c0)^m.
+
+Both amplitudes depend on the state after the step, which depends on them: solve, measure, anchor, solve again.
 """
+
+from dataclasses import dataclass
 
 import numpy as np
 from mpi4py import MPI
 
 from ..fem.contact_problem import CLOSED, OPEN, ContactProblem
 
+NEAR, FAR = 0.25, 1.25
+SETTLED = 1e-3
+REACH = 1.0  # amplitudes are measured up to this many edge motions beyond an edge
+
+
+@dataclass(frozen=True)
+class Surface:
+    """Of the surface points sorted by x (n,): contact states, positions s (anchors where they stick), clearances."""
+
+    states: np.ndarray
+    s: np.ndarray
+    clearance: np.ndarray
+
 
 class Newcomers:
     """Anchors the newcomers of a frictional problem."""
 
-    def __init__(self, problem: ContactProblem):
-        self._problem, self._comm = problem, problem.body.mesh.comm
+    def __init__(self, problem: ContactProblem, k: float = 0.0):
+        self._problem, self._comm, self.k = problem, problem.body.mesh.comm, k
         parts = self._comm.allgather(problem.surface_abscissae())
         x, cell = (np.concatenate(part) for part in zip(*parts))
         self._order = np.lexsort((cell, x))
         self._x = x[self._order]
         start = sum(len(part[0]) for part in parts[: self._comm.rank])
+        self._amplitudes = {}
         self._mine = np.argsort(self._order)[start : start + len(parts[self._comm.rank][0])]
 
-    def begin(self):
-        """Keep the anchors with which an increment was solved."""
-        self._start = self._problem.anchor.x.array.copy()
-        self._moved = np.zeros(len(self._mine), dtype=bool)
+    def begin(self, clearance=None):
+        """Keep the state before a step. clearance: of the surface points (m,), where the present one is not meant."""
+        p = self._problem
+        local = p.states_at_rest(), p.anchors(), p.clearances() if clearance is None else clearance
+        self._before = Surface(*self._gathered(*local))
+        self._amplitudes = {s: (Amplitude(r.value), Amplitude(B.value)) for s, (r, B) in self._amplitudes.items()}
+
+    def predict(self):
+        """Anchor open points where they will touch if they go on as in the step before."""
+        if not self._amplitudes: return
+        b = self._before
+        r = np.where(self._x < np.mean(self._x[b.states != OPEN]) , self._amplitudes[-1][0].value, self._amplitudes[1][0].value)
+        new = np.where(b.states == OPEN, b.s + r * b.clearance, b.s)
+        self._problem.move_anchors(np.ones(len(self._mine), bool), new[self._mine])
 
     def anchor(self) -> bool:
-        """Move the newcomers' anchors to where their edges are now thought to have passed; whether there are any."""
-        problem = self._problem
-        local = problem.states_at_rest(), problem.contact_states(), problem.rest_positions()
-        places, positions = stops(self._x, *(np.concatenate(self._comm.allgather(v))[self._order] for v in local))
-        self._moved = places[self._mine]
-        problem.anchor.x.array[:] = self._start
-        problem.move_anchors(self._moved, positions[self._mine])
-        return bool(np.any(places))
+        """Anchor the newcomers anew; False where they are anchored so already, to SETTLED of how far they moved."""
+        p = self._problem
+        after = Surface(*self._gathered(p.contact_states(), p.rest_positions(), p.clearances()))
+        (old,) = self._gathered(p.anchors())
+        new = drawn(self._x, self._before, after, self.k, self._amplitudes)
+        touching = after.states != OPEN
+        moved = np.abs(new - self._before.s)[touching].max()
+        self.change = np.abs(new - old)[touching].max() / moved if moved else 0.0
+        if self.change < SETTLED:
+            return False
+        p.move_anchors(np.ones(len(self._mine), bool), new[self._mine])
+        return True
 
-    def are_settled(self) -> bool:
-        """Whether all points whose anchors were moved stick still: one that slides would do so from the wrong place."""
-        stick = np.all(self._problem.contact_states()[self._moved] == CLOSED)
-        return self._comm.allreduce(bool(stick), MPI.LAND)
+    def _gathered(self, *local):
+        return [np.concatenate(self._comm.allgather(values))[self._order] for values in local]
 
 
-def stops(x, before, after, rest):
-    """Which of the points x, in order, are newcomers (bool, (n,)), and where they stopped (n,).
+def drawn(x, before, after, k, amplitudes):
+    """Anchors (n,) of all points: those before the step but where edges passed.
 
-    before, after: contact states; rest: where each point would be anchored now. The edge that passed a run of points
-    that stick now is the point beyond it that does not: it is open, or slides. From there inwards those are newcomers
-    that were open before, or slid the same way; a point that slid the other way stopped as the load turned back.
+    amplitudes: r and B of each edge by its side and number, from the last pass; renewed.
     """
-    places, positions = np.zeros(len(x), dtype=bool), rest.copy()
-    fresh = (before != CLOSED) & (after == CLOSED)
-    fresh[[0, -1]] = False
-    steps = np.diff(fresh.astype(int))
-    for left, right in zip(np.flatnonzero(steps > 0), np.flatnonzero(steps < 0) + 1):  # the points next to the run
-        run = np.arange(left + 1, right)
-        if after[left] != CLOSED and after[right] != CLOSED:
-            if np.all(before[run] == OPEN) and x[left] < 0 < x[right]:
-                places[run], positions[run] = True, _first_contact(x[run], x[[left, right]], rest[[left, right]])
-            continue
-        for inner, outer, inwards in ((left, right, run[::-1]), (right, left, run)):
-            passed = (before[inwards] == OPEN) | (before[inwards] == after[outer])
-            new = inwards[: len(run) if passed.all() else np.argmin(passed)]
-            if after[outer] != CLOSED and len(new):
-                inner = new[-1] + np.sign(inner - outer)
-                places[new], positions[new] = True, _drawn(x, after, rest, inner, outer)(x[new])
-    return places, positions
+    anchors = before.s.copy()
+    touching = np.flatnonzero(after.states != OPEN)
+    first, end = touching[0], touching[-1] + 1
+    for side in (-1, 1):
+        order = np.arange(first, len(x)) if side > 0 else np.arange(end)[::-1]
+        edge = Edge(side * x[order], _at(before, order), _at(after, order), end - first, k)
+        r, B = amplitudes.setdefault(side, (Amplitude(), Amplitude()))
+        edge.measure(r, B)
+        where, positions = edge.positions(r.value, B.value)
+        anchors[order[where]] = positions
+    return anchors
 
 
-def _first_contact(x, edges, rest):
-    """Positions at x, between two edges that started from x = 0 on an indenter of curvature, like x |x|."""
-    return np.where(x < 0, rest[0] * (x / edges[0]) ** 2, rest[1] * (x / edges[1]) ** 2)
+class Amplitude:
+    """A number that equals what is measured with it, found by the secant method."""
+
+    def __init__(self, value=0.0):
+        self.value, self._tried = value, []
+
+    def improve(self, measured):
+        self._tried.append((self.value, measured - self.value))
+        (v1, f1) = self._tried[-1]
+        if len(self._tried) == 1:
+            self.value = measured
+            return
+        (v0, f0) = self._tried[-2]
+        self.value = v1 - f1 * (v1 - v0) / (f1 - f0) if f1 != f0 else measured
+
+    def __repr__(self): return f"{self.value:.5f}"
 
 
-def _drawn(x, after, rest, inner, outer):
-    """Curve through the point that sticks already, the edge and, where it sticks too, a point as far inwards again."""
-    behind = np.clip(np.searchsorted(x, 2 * x[inner] - x[outer]), 0, len(x) - 1)
-    support = [inner, outer]
-    if x[behind] != x[inner] and np.all(after[min(behind, inner) : max(behind, inner) + 1] == CLOSED):
-        support.append(behind)
-    return np.polynomial.Polynomial.fit(x[support], rest[support], len(support) - 1)
+def _at(surface, order):
+    return Surface(surface.states[order], surface.s[order], surface.clearance[order])
+
+
+class Edge:
+    """One side of a contact: points in order from the other side outwards, y increasing; the first n are in contact."""
+
+    def __init__(self, y, before: Surface, after: Surface, n: int, k: float):
+        self.y, self.before, self.after, self.n = y, before, after, n
+        self.open_exponent, self.slip_exponent = (3 - k) / 2, (5 - k) / 2
+        entered = before.states[:n] == OPEN
+        self.first_contact = bool(entered.all())
+        if self.first_contact:
+            self.entered = int(np.argmin(before.clearance[:n]))
+            self.e0 = y[self.entered]
+        else:
+            self.entered = n - _run_length(entered[::-1])
+            self.e0 = self._between(self.entered)
+        self.e1 = self._between(n)
+        b, a = before.states[:n], after.states[:n]
+        self.slides = n - _run_length((a == a[n - 1])[::-1]) if a[n - 1] != CLOSED else n
+        self.sticks = self.slides
+        if self.slides < n:
+            new = (a == CLOSED) & ((b == a[n - 1]) | (b == OPEN))
+            self.sticks -= _run_length(new[: self.slides][::-1])
+            if self.first_contact:
+                self.sticks = min(max(self.sticks, self.entered), self.slides)
+        self.c0 = self.e0 if self.first_contact else self._between(self.sticks)
+        self.c1 = self._between(self.slides)
+
+    def _between(self, i):
+        i = min(max(i, 1), len(self.y) - 1)
+        return (self.y[i - 1] + self.y[i]) / 2
+
+    def measure(self, r, B):
+        """The amplitudes r, B from the state after the step, which was found with these."""
+        if self.entered < self.n:
+            measured = self._ratio()
+            if measured is not None: r.improve(measured)
+
+    def _ratio(self):
+        b, a = self.before, self.after
+        beyond = np.arange(self.n, len(self.y))
+        beyond = beyond[: _run_length((b.states[beyond] == OPEN) & (a.states[beyond] == OPEN))]
+        motion = self.e1 - self.e0
+        d = self.y[beyond] - self.e1
+        start = min(np.searchsorted(d, NEAR * motion), len(d) - 1)
+        stop = max(np.searchsorted(d, FAR * motion), start + 1)
+        beyond = beyond[start:stop]
+        closed = b.clearance[beyond] - a.clearance[beyond]
+        if not np.all(closed > 0):
+            return None
+        return float(np.mean((a.s[beyond] - b.s[beyond]) / closed))
+
+    def shape(self, y, c):
+        """What a point slides after the stick edge was at c, over B."""
+        if self.first_contact and c == self.e0:
+            return self.before.clearance
+        return np.maximum(y - c, 0.0) ** self.slip_exponent
+
+    def _slip_defect(self, r, B):
+        b, a, motion = self.before, self.after, self.c1 - self.c0
+        d = self.y[self.slides : self.n] - self.c1
+        count = max(np.searchsorted(d, REACH * motion), 3)
+        beyond = np.arange(self.slides, self.n)[:count]
+        d = d[:count]
+        if len(d) < 2:
+            return 0.0
+        slid = a.s[beyond] - b.s[beyond] - r * b.clearance[beyond]
+        if self.first_contact:
+            scale = self.before.clearance[beyond]
+            measured = slid / scale
+            found = np.linalg.lstsq(np.stack([scale, d**self.slip_exponent], 1), slid, rcond=None)[0]
+            return found[0] - B
+        measured = slid / (self.shape(self.y, self.c0) - self.shape(self.y, self.c1))[beyond]
+        return _fit(measured - B, _share(d, motion, self.slip_exponent), d / motion)
+
+    def positions(self, r, B):
+        """Which points are to be anchored anew, and where."""
+        b, a = self.before, self.after
+        where = np.arange(self.n)
+        s = b.s[: self.n].copy()
+        entered = np.arange(self.n) >= self.entered
+        s[entered] += (r * b.clearance[: self.n])[entered]
+        slid = (B * self.shape(self.y, self.c0))[: self.n]
+        stuck = np.arange(self.sticks, self.slides)
+        s[stuck] += slid[stuck]
+        sliding = np.arange(self.slides, self.n)
+        moved = a.s[sliding] - s[sliding]
+        s[sliding] += np.where(moved * slid[sliding] > 0, np.sign(moved) * np.minimum(abs(moved), abs(slid[sliding])), 0)
+        chosen = where >= min(self.entered, self.sticks)
+        return where[chosen], s[chosen]
+
+
+def _share(d, motion, exponent):
+    """How much of a wrong amplitude is seen at the distances d (n,) beyond an edge that has moved by ``motion``."""
+    d = np.maximum(d, 1e-12 * motion)
+    return d ** (exponent - 1) * motion * exponent / ((d + motion) ** exponent - d**exponent)
+
+
+def _fit(values, share, distance):
+    """Amplitude A with values = share A (1 + b distance), by least squares."""
+    if len(values) < 3:
+        return float(share @ values / (share @ share))
+    return float(np.linalg.lstsq(np.stack([share, distance * share], 1), values, rcond=None)[0][0])
+
+
+def _run_length(mask):
+    """Number of leading True."""
+    mask = np.asarray(mask)
+    return len(mask) if mask.all() else int(np.argmin(mask))

@@ -12,7 +12,9 @@ from .schedule import Increment
 
 MAX_CUTS = 6
 MAX_SWEEPS = 60  # of the fixed point
-SETTLINGS, MAX_SETTLINGS = 3, 8  # solves for where newcomers stopped: more while some of them slide again
+SETTLED, MAX_SETTLINGS = 1e-3, 8
+import os
+DEBUG = 'DEBUG' in os.environ
 
 
 class SolveError(RuntimeError):
@@ -85,7 +87,7 @@ class LoadProgramme:
 
     @cached_property
     def _newcomers(self):
-        return Newcomers(self.problem)
+        return Newcomers(self.problem, self.k)
 
     @cached_property
     def _held_point(self):
@@ -103,8 +105,16 @@ class LoadProgramme:
             self.frictional.release()
         self._newton = self._start(self.frictional)
 
+    def moves(self, before, after):
+        return Y in self.problem.directions or before.P != after.P
+
+    def _first_clearance(self):
+        x = self.problem.surface_abscissae()[0]
+        return self.height(x)
+
     def _renew_pressure(self, increment: Increment, results: list[NewtonResult]):
         """Without coupling: the frictionless contact under a new P, beneath an unchanged tangential problem."""
+        self._newcomers.begin()
         tangential = self.problem.without_held()
         result = self._normal_newton.solve((0.0, increment.P), confirm=self.confirms)
         results.append(result)
@@ -119,11 +129,15 @@ class LoadProgramme:
         Appends every solve to ``results`` and returns the number of halvings.
         """
         saved = self._save()
+        if self.problem.friction and self.moves(before, after):
+            if depth == 0 and Y in self.problem.directions or depth:
+                first_contact = before.P == 0
+                self._newcomers.begin(self._first_clearance() if first_contact else None)
+            if before.P: self._newcomers.predict()
         result, first = self._solve(after.load, results)
         if result.converged:
             if self.problem.friction:
-                if after.branch == "normal":
-                    self._settle(after.load, results)
+                if self.moves(before, after): self._settle(after.load, results)
                 self.problem.come_to_rest()
             return 0
         self._restore(saved)
@@ -158,22 +172,18 @@ class LoadProgramme:
         return tried[-1], tried[0]
 
     def _settle(self, load, results: list[NewtonResult]):
-        """Find out where points that came to stick as the contact grew under P alone did so.
-
-        Not where it moves aside: there that changes as much as it cures, and takes twice the time (measured).
-        """
-        saved = self._save()
-        self._newcomers.begin()
-        for solves in range(MAX_SETTLINGS):
-            if solves >= SETTLINGS and self._newcomers.are_settled():
+        """Anchor the points that entered contact or came to stick within the step where the edges passed them."""
+        for self.passes in range(MAX_SETTLINGS):
+            go_on = self._newcomers.anchor()
+            if DEBUG: print("   settle", self.passes, "%.1e" % self._newcomers.change, self._newcomers._amplitudes, flush=True)
+            if not go_on:
                 return
-            any_new = self._newcomers.anchor()
-            if not any_new and solves == 0:
+            saved = self._save()
+            if not self._solve(load, results)[0].converged:
+                print("   settle failed", results[-1].reason, self._newton.balance(load), flush=True)
+                self._restore(saved)
+                results.append(self._newton.balance(load))
                 return
-            if not any_new or not self._solve(load, results)[0].converged:
-                break
-        self._restore(saved)
-        results.append(self._newton.balance(load))
 
     def _guarded(self, load, results: list[NewtonResult]) -> NewtonResult:
         """Newton in which no point turns round without sticking in between, then Newton as it is to confirm.

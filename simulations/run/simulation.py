@@ -76,6 +76,7 @@ class Simulation:
         self.solver = LoadProgramme(
             normal, frictional, self._system, self.mu, "friction in normal stage" in self.effects
         )
+        self.solver.k, self.solver.height = scene.k, indenter.height
         self.body.delta.value[Y] = indenter.height(1.0)  # overlap on |x| < a: where Newton starts
         self.sampler = SurfaceSampler(self.body, normal, scene.friction and "coupling" not in self.effects)
         self.resumed = 0  # times
