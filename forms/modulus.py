@@ -14,7 +14,7 @@ import numpy as np
 import ufl
 from ufl.core.expr import Expr
 
-from .depth import DepthMap
+from .depth_map import DepthMap
 
 
 class Modulus(Protocol):

@@ -3,7 +3,7 @@
 import numpy as np
 from mpi4py import MPI
 
-from simulations.fem.mesh import half_plane
+from simulations.fem.mesh import create_mesh
 from simulations.fem.parallel import on_root
 from simulations.solvers.condensed.workers import SharedInverse, Workers
 
@@ -13,7 +13,7 @@ comm = MPI.COMM_WORLD
 def check_columns():
     """Each rank owns neighbouring columns from top to bottom, as many as the others (of two, one half each)."""
     ends = np.linspace(-1.0, 1.0, 4 * comm.size + 1)
-    mesh, facets = half_plane(comm, ends, np.linspace(0.0, 1.0, 6))
+    mesh, facets = create_mesh(comm, ends, np.linspace(0.0, 1.0, 6))
     assert mesh.topology.index_map(2).size_local == 4 * 5
     x = mesh.geometry.x[mesh.geometry.dofmap][..., 0]
     assert [x.min(), x.max()] == [ends[4 * comm.rank], ends[4 * (comm.rank + 1)]]

@@ -50,7 +50,7 @@ def test_the_schema_of_the_summary(changes, tmp_path):
 
 
 def test_the_forms_named_are_there():
-    text = (ROOT / "docs" / "forms.md").read_text()
+    text = (ROOT / "docs" / "method.md").read_text()
     for line in re.findall(r" {3}\(([a-z_]+(?:, [a-z_]+)*)\)$", text, re.M):
         for name in line.split(", "):
             assert hasattr(contact, name) or hasattr(elasticity, name), name

@@ -17,7 +17,9 @@ from dataclasses import dataclass
 import numpy as np
 from mpi4py import MPI
 
-from ..fem.contact_problem import CLOSED, OPEN, ContactProblem
+from forms.contact import CLOSED, OPEN
+
+from ..fem.contact_problem import ContactProblem
 
 NEAR, FAR = 0.25, 1.25
 SETTLED = 1e-3
@@ -38,7 +40,7 @@ class Newcomers:
 
     def __init__(self, problem: ContactProblem, k: float = 0.0):
         self._problem, self._comm, self.k = problem, problem.body.mesh.comm, k
-        parts = self._comm.allgather(problem.surface_abscissae())
+        parts = self._comm.allgather((problem.points.x, problem.points.middle))
         x, cell = (np.concatenate(part) for part in zip(*parts))
         self._order = np.lexsort((cell, x))
         self._x = x[self._order]
@@ -46,10 +48,10 @@ class Newcomers:
         self._amplitudes = {}
         self._mine = np.argsort(self._order)[start : start + len(parts[self._comm.rank][0])]
 
-    def begin(self, clearance=None):
+    def begin(self, clearance):
         """Keep the state before a step. clearance: of the surface points (m,), where the present one is not meant."""
-        p = self._problem
-        local = p.states_at_rest(), p.anchors(), p.clearances() if clearance is None else clearance
+        p = self._problem.memory
+        local = p.states_at_rest(), p.anchors(), clearance
         self._before = Surface(*self._gathered(*local))
         self._amplitudes = {s: (Amplitude(r.value), Amplitude(B.value)) for s, (r, B) in self._amplitudes.items()}
 
@@ -59,12 +61,12 @@ class Newcomers:
         b = self._before
         r = np.where(self._x < np.mean(self._x[b.states != OPEN]) , self._amplitudes[-1][0].value, self._amplitudes[1][0].value)
         new = np.where(b.states == OPEN, b.s + r * b.clearance, b.s)
-        self._problem.move_anchors(np.ones(len(self._mine), bool), new[self._mine])
+        self._problem.memory.move_anchors(np.ones(len(self._mine), bool), new[self._mine])
 
-    def anchor(self) -> bool:
+    def anchor(self, clearance) -> bool:
         """Anchor the newcomers anew; False where they are anchored so already, to SETTLED of how far they moved."""
-        p = self._problem
-        after = Surface(*self._gathered(p.contact_states(), p.rest_positions(), p.clearances()))
+        p = self._problem.memory
+        after = Surface(*self._gathered(self._problem.terms.contact_states(), p.rest_positions(), clearance))
         (old,) = self._gathered(p.anchors())
         new = drawn(self._x, self._before, after, self.k, self._amplitudes)
         touching = after.states != OPEN

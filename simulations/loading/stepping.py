@@ -12,7 +12,7 @@ from .schedule import Increment
 
 MAX_CUTS = 6
 MAX_SWEEPS = 60  # of the fixed point
-SETTLED, MAX_SETTLINGS = 1e-3, 8
+MAX_SETTLINGS = 8
 import os
 DEBUG = 'DEBUG' in os.environ
 
@@ -43,9 +43,9 @@ class LoadProgramme:
     solves it.
     """
 
-    def __init__(self, normal: ContactProblem, frictional: ContactProblem | None, system, mu=0.0, friction_first=False):
+    def __init__(self, normal: ContactProblem, frictional: ContactProblem | None, system, friction_first=False):
         self.problem, self.normal, self.frictional = normal, normal, frictional
-        self.body, self.mu, self._system = normal.body, mu, system
+        self.body, self._system = normal.body, system
         self._friction_first = friction_first
         self.confirms = False  # set before ``run``: solves under Coulomb's law as it is are confirmed (newton.Newton)
 
@@ -64,7 +64,6 @@ class LoadProgramme:
         self._newton = self._start(self.normal)
         if self.frictional and (self._friction_first or any(increment.branch != "normal" for increment in done)):
             self._normal_newton, self.problem = self._newton, self.frictional
-            self.frictional.mu.value = self.mu
             self._newton = self._start(self.frictional)
 
     def run(self, programme: list[Increment], done: int = 0) -> Iterator[Outcome]:
@@ -100,27 +99,20 @@ class LoadProgramme:
         self._normal_newton, self.problem = self._newton, self.frictional
         if Y not in self.frictional.directions:
             self.frictional.hold_pressure(self.normal)
-        self.frictional.mu.value = self.mu
         if not self._friction_first:  # there the surface came to rest before it was touched, at s = 0
-            self.frictional.release()
+            self.frictional.memory.release()
         self._newton = self._start(self.frictional)
-
-    def moves(self, before, after):
-        return Y in self.problem.directions or before.P != after.P
-
-    def _first_clearance(self):
-        x = self.problem.surface_abscissae()[0]
-        return self.height(x)
 
     def _renew_pressure(self, increment: Increment, results: list[NewtonResult]):
         """Without coupling: the frictionless contact under a new P, beneath an unchanged tangential problem."""
-        self._newcomers.begin()
-        tangential = self.problem.without_held()
+        tangential = self.problem.held.remove_tangential()
+        self._newcomers.begin(self.normal.terms.clearance.values())
         result = self._normal_newton.solve((0.0, increment.P), confirm=self.confirms)
         results.append(result)
         if not result.converged:
             raise SolveError(f"no frictionless contact at P = {increment.P:.4g}: {result.reason}")
         self.problem.hold_pressure(self.normal)
+        self._held_clearance = self.normal.terms.clearance.values().copy()
         self.body.state.x.array[:] += tangential
 
     def _advance(self, before: Increment, after: Increment, results: list[NewtonResult], depth: int = 0) -> int:
@@ -129,16 +121,17 @@ class LoadProgramme:
         Appends every solve to ``results`` and returns the number of halvings.
         """
         saved = self._save()
-        if self.problem.friction and self.moves(before, after):
-            if depth == 0 and Y in self.problem.directions or depth:
-                first_contact = before.P == 0
-                self._newcomers.begin(self._first_clearance() if first_contact else None)
-            if before.P: self._newcomers.predict()
+        if self.problem.friction and self._moves(before, after):
+            if Y in self.problem.directions:
+                self._newcomers.begin(self._clearance() if before.P else self._first_clearance())
+            if before.P:
+                self._newcomers.predict()
         result, first = self._solve(after.load, results)
         if result.converged:
             if self.problem.friction:
-                if self.moves(before, after): self._settle(after.load, results)
-                self.problem.come_to_rest()
+                if self._moves(before, after):
+                    self._settle(after.load, results)
+                self.problem.memory.come_to_rest()
             return 0
         self._restore(saved)
         if depth == MAX_CUTS:
@@ -156,8 +149,7 @@ class LoadProgramme:
     def _solve(self, load, results: list[NewtonResult]) -> tuple[NewtonResult, NewtonResult]:
         """The last attempt, converged or not, and the first."""
         saved = self._save()
-        predict = self.problem.all_stick if self.problem.friction else None
-        attempts = [lambda: self._newton.solve(load, predict, confirm=self.confirms)]
+        attempts = [lambda: self._newton.solve(load, self.problem.friction, confirm=self.confirms)]
         if self.problem.friction:
             attempts.append(lambda: self._guarded(load, results))
         if self.problem.directions == (X, Y):
@@ -173,28 +165,43 @@ class LoadProgramme:
 
     def _settle(self, load, results: list[NewtonResult]):
         """Anchor the points that entered contact or came to stick within the step where the edges passed them."""
-        for self.passes in range(MAX_SETTLINGS):
-            go_on = self._newcomers.anchor()
-            if DEBUG: print("   settle", self.passes, "%.1e" % self._newcomers.change, self._newcomers._amplitudes, flush=True)
+        for passes in range(MAX_SETTLINGS):
+            go_on = self._newcomers.anchor(self._clearance())
+            if DEBUG: print("   settle", passes, "%.1e" % self._newcomers.change, self._newcomers._amplitudes, flush=True)
             if not go_on:
                 return
             saved = self._save()
             if not self._solve(load, results)[0].converged:
-                print("   settle failed", results[-1].reason, self._newton.balance(load), flush=True)
+                print("   settle failed", flush=True)
                 self._restore(saved)
                 results.append(self._newton.balance(load))
                 return
+
+    def _clearance(self):
+        return self._held_clearance if Y not in self.problem.directions else self.problem.terms.clearance.values()
+
+    def _first_clearance(self):
+        """The indenter's height: the clearance of all points before the first contact."""
+        saved = self._save()
+        self.body.state.x.array[:] = 0.0
+        self.body.delta.value[:] = 0.0
+        height = self.normal.terms.clearance.values().copy()
+        self._restore(saved)
+        return height
+
+    def _moves(self, before, after):
+        return Y in self.problem.directions or before.P != after.P
 
     def _guarded(self, load, results: list[NewtonResult]) -> NewtonResult:
         """Newton in which no point turns round without sticking in between, then Newton as it is to confirm.
 
         One point sticks at least: where all would slide, one is held.
         """
-        problem, newton = self.problem, self._newton
-        newton.after_linearise, newton.after_residual = problem.note_sliding, self._held_point.update
-        guarded = newton.solve(load, problem.all_stick)
+        safeguards, newton = self.problem.safeguards, self._newton
+        newton.after_linearise, newton.after_residual = safeguards.note_sliding, self._held_point.update
+        guarded = newton.solve(load, predict=True)
         newton.after_linearise, newton.after_residual = lambda: None, lambda: False
-        problem.forget_sliding()
+        safeguards.forget()
         self._held_point.release()
         if not guarded.converged:
             return guarded
@@ -207,29 +214,22 @@ class LoadProgramme:
         Each sweep is the tangent of a convex minimum, on which Newton does not cycle; the sweeps contract by about
         mu times the coupling.
         """
-        problem, predict = self.problem, self.problem.all_stick
-        for _ in range(MAX_SWEEPS):
-            problem.lag_pressure()
-            problem.lagged.value = 1.0
-            sweep = self._newton.solve(load, predict)
-            problem.lagged.value = 0.0
+        for sweeps in range(MAX_SWEEPS):
+            with self.problem.safeguards.lagged_pressure():
+                sweep = self._newton.solve(load, predict=sweeps == 0)
             if not sweep.converged:
                 return replace(sweep, reason=f"in a fixed-point sweep, {sweep.reason}")
             results.append(sweep)
-            predict = None
             balance = self._newton.balance(load)
             if balance.converged:
                 return balance
         return balance
 
-    def _fields(self):
-        return [self.body.state.x] + ([self.problem.anchor.x, self.problem.at_rest.x] if self.problem.friction else [])
-
     def _save(self):
-        return [f.array.copy() for f in self._fields()], self.body.delta.value.copy()
+        memory = self.problem.memory.save() if self.problem.friction else None
+        return self.body.state.x.array.copy(), self.body.delta.value.copy(), memory
 
     def _restore(self, saved):
-        arrays, delta = saved
-        for f, array in zip(self._fields(), arrays):
-            f.array[:] = array
-        self.body.delta.value[:] = delta
+        self.body.state.x.array[:], self.body.delta.value[:], memory = saved
+        if memory is not None:
+            self.problem.memory.restore(memory)

@@ -98,7 +98,7 @@ def check_round_off(scene: Scene, cells: Grading, problem: ContactProblem):
 
     Displacements are of order one, in P/E(a).
     """
-    attainable = ROUND_OFF * problem.force_per_digit
+    attainable = ROUND_OFF * problem.terms.force_per_digit
     if attainable > ATTAINABLE:
         thicker = cells.first_layer * (attainable / ATTAINABLE) ** (1 / (1 - min(scene.k, 0.0)))
         raise SceneError(

@@ -8,9 +8,9 @@ import numpy as np
 
 from analytic import GradedHalfPlane, point_force_displacement
 
-from ..fem.body import HalfPlane, X, Y
+from ..fem.body import ElasticBody, X, Y
 from ..fem.contact_problem import ContactProblem, Nitsche
-from ..fem.mesh import Grading, columns, half_plane, layers
+from ..fem.mesh import Grading, columns, create_mesh, layers
 from ..fem.numbering import Numbering
 from ..fem.parallel import on_root
 from ..fem.surface import SurfaceSampler
@@ -59,7 +59,7 @@ class Simulation:
                 check_resolution(scene, self.cells, self.loop)
                 self.ordinates = self._ordinates()
                 check_size(scene, self.cells, *(len(nodes) - 1 for nodes in self.ordinates))
-                mesh, facets = half_plane(comm, *self.ordinates)
+                mesh, facets = create_mesh(comm, *self.ordinates)
             with self.watch("forms"):  # compiles them the first time
                 self.body = self._body(mesh, facets)
         else:
@@ -72,9 +72,9 @@ class Simulation:
             frictional = None
             if scene.friction:
                 directions = (X, Y) if "coupling" in self.effects else (X,)
-                frictional = ContactProblem(self.body, indenter.height, nitsche, directions)
+                frictional = ContactProblem(self.body, indenter.height, nitsche, directions, self.mu)
         self.solver = LoadProgramme(
-            normal, frictional, self._system, self.mu, "friction in normal stage" in self.effects
+            normal, frictional, self._system, "friction in normal stage" in self.effects
         )
         self.solver.k, self.solver.height = scene.k, indenter.height
         self.body.delta.value[Y] = indenter.height(1.0)  # overlap on |x| < a: where Newton starts
@@ -92,7 +92,7 @@ class Simulation:
 
     def _body(self, mesh, facets):
         scene = self.scene
-        return HalfPlane(
+        return ElasticBody(
             mesh,
             facets,
             self.scaled.modulus,

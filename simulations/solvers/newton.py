@@ -153,18 +153,17 @@ class Newton:
         self.after_linearise = lambda: None  # called with the fields at the iterate
         self.after_residual = lambda: False  # likewise; True where it changed the problem, whose residual is renewed
 
-    def solve(self, load, predict=None, confirm=False) -> NewtonResult:
+    def solve(self, load, predict=False, confirm=False) -> NewtonResult:
         """Balance the line loads ``(Q, P)``, P > 0.
 
-        predict: a Constant that is 1 during one preliminary step (the all-stick predictor), or None; confirm: one more
-        iteration after the last, to see whether contact states still change.
+        predict: start with a step in which all points in contact stick; confirm: one more iteration after the last, to
+        see whether contact states still change.
         """
         self._polished = False
         self._begin(load)
-        if predict is not None:
-            predict.value = 1.0
-            self._step()
-            predict.value = 0.0
+        if predict:
+            with self.system.problem.safeguards.all_stick():
+                self._step()
         self._states, self._changes, self._seen = None, [], {}
         self.snes.solve(None, self.x)
         code = self.snes.getConvergedReason()
@@ -179,7 +178,7 @@ class Newton:
         self.system.finish(self.x)
         return NewtonResult(
             converged=code > 0 and max(self._norms) <= 10 * ATTAINABLE,  # whatever rule of PETSc's ended it
-            iterations=self.snes.getIterationNumber() + (predict is not None),
+            iterations=self.snes.getIterationNumber() + predict,
             residual=self._norms[0],
             imbalance=self._norms[1],
             reason=self._reason(code),
@@ -198,7 +197,7 @@ class Newton:
     def _begin(self, load):
         self._scale = abs(load[1])
         self.system.begin(load, self.x)
-        attainable = ROUND_OFF * self.system.problem.round_off() / self._scale
+        attainable = ROUND_OFF * self.system.problem.terms.round_off() / self._scale
         self._tolerance = min(max(FORCE_TOLERANCE, attainable), ATTAINABLE)
 
     def _balanced(self):
@@ -225,7 +224,7 @@ class Newton:
 
     def _count_changes(self) -> bool:
         """Count the contact states that changed; True where they did the same ROUNDS times, and so will do again."""
-        states, before = self.system.problem.contact_states().astype(np.int8), self._states
+        states, before = self.system.problem.terms.contact_states().astype(np.int8), self._states
         self._states = states
         if before is None:
             return False

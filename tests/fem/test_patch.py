@@ -5,9 +5,9 @@ import pytest
 from mpi4py import MPI
 
 from forms.modulus import PowerLaw
-from simulations.fem.body import HalfPlane, X, Y
+from simulations.fem.body import ElasticBody, X, Y
 from simulations.fem.contact_problem import ContactProblem, Nitsche
-from simulations.fem.mesh import half_plane
+from simulations.fem.mesh import create_mesh
 from simulations.fem.surface import SurfaceSampler
 from simulations.solvers.condensed.compliance import Compliance
 from simulations.solvers.condensed.system import CondensedSystem
@@ -29,8 +29,8 @@ def confined_block(k, mixed=False):
         return np.stack([Q / WIDTH / shear * compression, P / WIDTH / constrained * compression])
 
     x = np.array([-1.0, -0.7, -0.2, 0.1, 0.6, 1.0])
-    mesh, facets = half_plane(MPI.COMM_SELF, x, depth.s(DEPTH) * np.array([0.0, 0.1, 0.3, 1.0]))
-    return HalfPlane(mesh, facets, modulus, NU, exact, WIDTH, mixed), exact
+    mesh, facets = create_mesh(MPI.COMM_SELF, x, depth.s(DEPTH) * np.array([0.0, 0.1, 0.3, 1.0]))
+    return ElasticBody(mesh, facets, modulus, NU, exact, WIDTH, mixed), exact
 
 
 def press(body, friction, load, method):
@@ -39,13 +39,11 @@ def press(body, friction, load, method):
     body.delta.value[:] = (0.0, 0.1)
     stages = [(False, (0.0, load[1])), (True, load)]
     for with_friction, stage_load in stages[: 1 + friction]:
-        problem = ContactProblem(body, lambda x: 0.0 * x, Nitsche(), (X, Y) if with_friction else (Y,))
+        problem = ContactProblem(body, lambda x: 0.0 * x, Nitsche(), (X, Y) if with_friction else (Y,), mu=0.5)
         if with_friction:
-            problem.mu.value = 0.5
-            problem.release()
+            problem.memory.release()
         system = FullSystem(problem) if method == "full" else CondensedSystem(problem, compliance)
-        predict = problem.all_stick if with_friction else None
-        result = Newton(system, body.mesh.comm).solve(stage_load, predict)
+        result = Newton(system, body.mesh.comm).solve(stage_load, predict=with_friction)
         assert result.converged, result.reason
     return SurfaceSampler(body, problem).sample(problem)
 

@@ -77,7 +77,7 @@ def test_frictionless_scene_leaves_no_trace_of_friction(tmp_path):
     simulation = coarse_simulation(INDENTATION)
     problem = simulation.solver.problem
     assert simulation.solver.frictional is None
-    assert problem.directions == (Y,) and not hasattr(problem, "mu") and not hasattr(problem, "anchor")
+    assert problem.directions == (Y,) and problem.memory is None and problem.safeguards is None
     done = run_command(*coarse_arguments(tmp_path, **{}), module="simulations.indentation")
     assert done.returncode == 0, done.stderr
     with h5py.File(tmp_path / "surface.h5") as file:

@@ -14,7 +14,7 @@ from scipy.linalg import solve
 from scipy.sparse import csr_matrix, vstack
 from scipy.sparse.linalg import splu
 
-from ...fem.body import HalfPlane
+from ...fem.body import ElasticBody
 from ...fem.parallel import gathered
 from .mirror import NONE, Part, parts
 from .response import Response
@@ -28,7 +28,7 @@ class Compliance:
     cells, sorted; rank 0 has ``far`` (r, 2), columns Q and P, None elsewhere; of the response each rank has its share.
     """
 
-    def __init__(self, body: HalfPlane):
+    def __init__(self, body: ElasticBody):
         self.body, self.comm = body, body.mesh.comm
         self._find_surface()
         inner, interface = self._find_strip()
@@ -205,7 +205,7 @@ class _Half:
         return joined
 
 
-def _half(body: HalfPlane, part: Part, inner, interface) -> "_Half | None":
+def _half(body: ElasticBody, part: Part, inner, interface) -> "_Half | None":
     """What this rank knows of its own part; None where that is empty. Collective."""
     dofs = part.dofs
     matrix = _rows(body.constrained_stiffness, dofs)[:, dofs]

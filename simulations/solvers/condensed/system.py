@@ -30,7 +30,7 @@ class CondensedSystem:
         self._rigid = list(problem.directions)
         self._comm, self._is_root = compliance.comm, compliance.comm.rank == 0
         self.size = len(self._rigid) * (compliance.n + 1)
-        self._sides = 2.0 if problem.body.is_half else 1.0
+        self._sides = problem.body.symmetry_factor
         self._workers = Workers(self._comm)
         self._response = SharedResponse(self._workers, compliance.response(problem.directions))
         self.dense = DenseTangent(self._workers, self._response, self._translations(), self._sides)
@@ -48,7 +48,8 @@ class CondensedSystem:
     def begin(self, load, x):
         """Prescribe the line loads and fill ``x`` with the forces of the present state."""
         self._load = np.asarray(load)
-        compliance, body, held = self.compliance, self.problem.body, self.problem.held_forces
+        compliance, body = self.compliance, self.problem.body
+        held = None if self.problem.held is None else self.problem.held.forces
         body.set_far_field(load)
         if held is not self._held[0]:
             collected = compliance.collect(held[compliance.surface])
@@ -113,7 +114,7 @@ class CondensedSystem:
         # gamma times the last digits of u is visible in the tractions: keep those that balance the loads
         self._show(forces, rigid)
         self._left = self.compliance.strip_values(), forces
-        self.problem.body.recover = self.compliance.recover
+        self.problem.body.complete_later(self.compliance.recover)
 
     def _translations(self):
         """Rigid translations (r, m) of the strip."""
@@ -151,14 +152,14 @@ class CondensedSystem:
         if before is not None and step is not None and np.array_equal(forces, before - step):
             after = displacement - moved
             self._largest = max(self._largest, np.abs(after).max())
-            if self.problem.force_per_digit * self._largest <= CARRIED * abs(self._load[Y]):
+            if self.problem.terms.force_per_digit * self._largest <= CARRIED * abs(self._load[Y]):
                 return after
         after = self._displacement(forces)
         self._largest = np.abs(after).max()
         return after
 
     def _contact_forces(self):
-        nodal = self.problem.contact_forces(self.compliance.surface)[:, self._rigid]
+        nodal = self.problem.terms.contact_forces(self.compliance.surface)[:, self._rigid]
         return self.compliance.collect(nodal).T.ravel()
 
     def _get(self, x):
@@ -180,7 +181,7 @@ class _TangentPattern:
 
     def __init__(self, problem: ContactProblem, compliance: Compliance):
         self._problem, self._comm = problem, compliance.comm
-        local = problem.force_tangent()
+        local = problem.terms.force_tangent()
         numbered = local.copy()
         numbered.data = np.arange(1.0, local.data.size + 1).reshape(local.data.shape)
         dofs = problem.body.dofs[compliance.touched]
@@ -200,7 +201,7 @@ class _TangentPattern:
 
     def assemble(self) -> csr_matrix | None:
         """The tangent at the present state, on rank 0; None elsewhere."""
-        mine = self._problem.force_tangent().data.ravel()[self._entries]
+        mine = self._problem.terms.force_tangent().data.ravel()[self._entries]
         parts = self._comm.gather(mine)
         if self._comm.rank:
             return None

@@ -12,7 +12,7 @@ import getfem
 import numpy as np
 
 from analytic import point_force_displacement
-from forms.depth import DepthMap
+from forms.depth_map import DepthMap
 
 from ...fem.mesh import Grading, columns, layers
 from ...loading.schedule import rocking
