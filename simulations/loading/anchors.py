@@ -23,6 +23,7 @@ from ..fem.contact_problem import ContactProblem
 
 NEAR, FAR = 0.25, 1.25
 SETTLED = 1e-3
+NEXT = 8  # points beside an edge whose displacement carries its discretisation error
 REACH = 1.0  # amplitudes are measured up to this many edge motions beyond an edge
 
 
@@ -69,6 +70,7 @@ class Newcomers:
         after = Surface(*self._gathered(self._problem.terms.contact_states(), p.rest_positions(), clearance))
         (old,) = self._gathered(p.anchors())
         new = drawn(self._x, self._before, after, self.k, self._amplitudes)
+        self._after = after
         touching = after.states != OPEN
         moved = np.abs(new - self._before.s)[touching].max()
         self.change = np.abs(new - old)[touching].max() / moved if moved else 0.0
@@ -76,6 +78,20 @@ class Newcomers:
             return False
         p.move_anchors(np.ones(len(self._mine), bool), new[self._mine])
         return True
+
+    def finish(self):
+        """Open points beside the edges, after a step has ended: they come closer as those further out."""
+        (anchors,) = self._gathered(self._problem.memory.anchors())
+        b, a = self._before, self._after
+        touching = np.flatnonzero(a.states != OPEN)
+        for side, beyond in ((-1, np.arange(touching[0])[::-1]), (1, np.arange(touching[-1] + 1, len(self._x)))):
+            beyond = beyond[:NEXT]
+            r = self._amplitudes[side][0]
+            closing = (b.states[beyond] == OPEN) & (a.clearance[beyond] < b.clearance[beyond])
+            if r.measured:
+                i = beyond[closing]
+                anchors[i] = b.s[i] + r.value * (b.clearance[i] - a.clearance[i])
+        self._problem.memory.move_anchors(np.ones(len(self._mine), bool), anchors[self._mine])
 
     def _gathered(self, *local):
         return [np.concatenate(self._comm.allgather(values))[self._order] for values in local]
@@ -104,6 +120,8 @@ class Amplitude:
 
     def __init__(self, value=0.0):
         self.value, self._tried = value, []
+    @property
+    def measured(self): return bool(self._tried)
 
     def improve(self, measured):
         self._tried.append((self.value, measured - self.value))
@@ -163,8 +181,8 @@ class Edge:
         beyond = beyond[: _run_length((b.states[beyond] == OPEN) & (a.states[beyond] == OPEN))]
         motion = self.e1 - self.e0
         d = self.y[beyond] - self.e1
-        start = min(np.searchsorted(d, NEAR * motion), len(d) - 1)
-        stop = max(np.searchsorted(d, FAR * motion), start + 1)
+        start = min(max(np.searchsorted(d, NEAR * motion), NEXT), len(d) - 1)
+        stop = max(np.searchsorted(d, FAR * motion), start + NEXT)
         beyond = beyond[start:stop]
         closed = b.clearance[beyond] - a.clearance[beyond]
         if not np.all(closed > 0):
@@ -198,9 +216,8 @@ class Edge:
         """Which points are to be anchored anew, and where."""
         b, a = self.before, self.after
         where = np.arange(self.n)
-        s = b.s[: self.n].copy()
-        entered = np.arange(self.n) >= self.entered
-        s[entered] += (r * b.clearance[: self.n])[entered]
+        s = b.s + r * b.clearance
+        s = s[: self.n]
         slid = (B * self.shape(self.y, self.c0))[: self.n]
         stuck = np.arange(self.sticks, self.slides)
         s[stuck] += slid[stuck]

@@ -132,6 +132,8 @@ class LoadProgramme:
                 if self._moves(before, after):
                     self._settle(after.load, results)
                 self.problem.memory.come_to_rest()
+                if self._moves(before, after):
+                    self._newcomers.finish()
             return 0
         self._restore(saved)
         if depth == MAX_CUTS:
