@@ -76,7 +76,7 @@ class ContactTerms:
         return self.body.constrained_stiffness.copy()
 
     def residual(self, load) -> tuple[PETSc.Vec, np.ndarray]:
-        """Force residual (owned dofs) and load imbalance, one per direction, at line loads ``(Q, P)``."""
+        """Force residual (owned dofs) and load imbalance, one per direction, at the line ``load``."""
         body = self.body
         body.complete()
         internal = body.stiffness.createVecLeft()
@@ -86,7 +86,7 @@ class ContactTerms:
             internal.array[self._owned(Y)] -= self.held.forces
         fem_petsc.set_bc(internal, body.boundary_conditions, x0=body.state.x.petsc_vec, alpha=-1.0)
         total = np.array([self._sum(form) for form in self.resultant_forms])
-        return internal, total - np.array([load[i] for i in self.directions])
+        return internal, total - np.array([load.components[i] for i in self.directions])
 
     def assemble_jacobian(self, matrix: PETSc.Mat):
         """Overwrite ``matrix`` with d(force residual)/du."""

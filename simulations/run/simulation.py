@@ -14,8 +14,8 @@ from ..fem.mesh import Grading, columns, create_mesh, layers
 from ..fem.numbering import Numbering
 from ..fem.parallel import on_root
 from ..fem.surface import SurfaceSampler
-from ..loading.schedule import pressing, rocking, visiting
-from ..loading.stepping import LoadProgramme, SolveError
+from ..loading.schedule import Load, pressing, rocking, visiting
+from ..loading.stepping import LoadStepping, SolveError
 from ..scene.effects import Effects
 from ..scene.scaling import Scaled
 from ..scene.scene import Scene
@@ -73,10 +73,9 @@ class Simulation:
             if scene.friction:
                 directions = (X, Y) if "coupling" in self.effects else (X,)
                 frictional = ContactProblem(self.body, indenter.height, nitsche, directions, self.mu)
-        self.solver = LoadProgramme(
+        self.solver = LoadStepping(
             normal, frictional, self._system, "friction in normal stage" in self.effects
         )
-        self.solver.k, self.solver.height = scene.k, indenter.height
         self.body.delta.value[Y] = indenter.height(1.0)  # overlap on |x| < a: where Newton starts
         self.sampler = SurfaceSampler(self.body, normal, scene.friction and "coupling" not in self.effects)
         self.resumed = 0  # times
@@ -130,9 +129,9 @@ class Simulation:
         scene = self.scene
         steps = scene["solver.normal_increments"] if "friction in normal stage" in self.effects else 1
         if "load.points" in scene.values:
-            points = [(P / scene.P, Q / scene.P) for P, Q in scene["load.points"]]
+            points = [Load(P / scene.P, Q / scene.P) for P, Q in scene["load.points"]]
             first, *rest = points
-            return pressing(first[0], steps) + visiting(first, rest, scene["solver.increments"])
+            return pressing(first.P, steps) + visiting(first, rest, scene["solver.increments"])
         if not scene.friction:
             return pressing(1.0)
         Q_A = scene["load.amplitude"] * self.mu
