@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..fem.surface import SurfaceState, fitted_contact_edges, fitted_stick_edges
-from ..loading.schedule import Increment
+from ..loading.schedule import LoadStep
 from ..loading.stepping import Outcome
 
 
@@ -13,7 +13,7 @@ from ..loading.stepping import Outcome
 class Entry:
     """State at the end of an increment (dimensionless) and what it took."""
 
-    increment: Increment
+    increment: LoadStep
     surface: SurfaceState
     slip: np.ndarray  # (n,) u_x - delta_x since tangential loading began
     contact: tuple[float, float]  # edges of the contact
@@ -59,7 +59,7 @@ class History:
 
     def append(self, outcome: Outcome, surface: SurfaceState, seconds: float) -> Entry:
         """Add the state that ``outcome`` ended with."""
-        increment, s = outcome.increment, surface.relative_displacement
+        increment, s = outcome.step, surface.relative_displacement
         contact = fitted_contact_edges(surface, self.k)
         stick, dissipated = contact, 0.0
         if self.friction and np.any(surface.traction):

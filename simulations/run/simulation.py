@@ -14,8 +14,8 @@ from ..fem.mesh import Grading, columns, create_mesh, layers
 from ..fem.numbering import Numbering
 from ..fem.parallel import on_root
 from ..fem.surface import SurfaceSampler
-from ..loading.schedule import pressing, rocking, visiting
-from ..loading.stepping import LoadProgramme, SolveError
+from ..loading.schedule import Load, pressing, rocking, visiting
+from ..loading.stepping import LoadStepping, SolveError
 from ..scene import Scene
 from ..scene.effects import Effects
 from ..scene.scaling import Scaled
@@ -86,7 +86,7 @@ class Simulation:
             if scene.friction:
                 directions = (X, Y) if "coupling" in self.effects else (X,)
                 frictional = ContactProblem(self.body, indenter.height, nitsche, directions, self.mu)
-        self.solver = LoadProgramme(
+        self.solver = LoadStepping(
             normal, frictional, self._system, "friction in normal stage" in self.effects, tolerance
         )
         self.body.delta.value[Y] = indenter.height(1.0)  # overlap on |x| < a: where Newton starts
@@ -142,9 +142,9 @@ class Simulation:
         scene = self.scene
         steps = scene.solver.normal_increments if "friction in normal stage" in self.effects else 1
         if scene.is_path:
-            points = [(P / scene.P, Q / scene.P) for P, Q in scene.load.points]
+            points = [Load(P / scene.P, Q / scene.P) for P, Q in scene.load.points]
             first, *rest = points
-            return pressing(first[0], steps) + visiting(first, rest, scene.solver.increments)
+            return pressing(first.P, steps) + visiting(first, rest, scene.solver.increments)
         if not scene.friction:
             return pressing(1.0)
         Q_A = scene.load.amplitude * self.mu
@@ -221,9 +221,9 @@ class Simulation:
 def failure_in_si(simulation: Simulation, reason) -> str:
     """Why the next increment failed, with its loads in SI units and the keys of the scene that they come from."""
     scene, unit, number = simulation.scene, simulation.scaled.scales.line_load, len(simulation.history.entries)
-    increment = simulation.programme[number]
-    Q, P = getattr(reason, "load", None) or increment.load
+    step = simulation.programme[number]
+    P, Q = getattr(reason, "after", None) or step.load
     loads = f"P = {P * unit:.4g} N/m, Q = {Q * unit:.4g} N/m"
     keys = ", ".join(f"load.{name} = {value:g}" for name, value in scene.load if name in ("P", "amplitude", "mu"))
-    place = f"increment {number + 1} of {len(simulation.programme)}, {increment.branch}"
-    return f"{loads} ({place}; {keys or 'load.points'}): {reason}"
+    place = f"load step {number + 1} of {len(simulation.programme)}, {step.branch}"
+    return f"{loads} ({place}; {keys or 'load.points'}): {getattr(reason, 'reason', reason)}"

@@ -6,7 +6,7 @@ import numpy as np
 
 from analytic import CylinderContact, ProfileContact, SpringPath
 
-from ..loading.schedule import Increment
+from ..loading.schedule import LoadStep
 from .history import Entry
 
 
@@ -19,7 +19,7 @@ class Springs:
 
     name = "closed form"
 
-    def __init__(self, contact: CylinderContact | ProfileContact, mu: float, schedule: Sequence[Increment]):
+    def __init__(self, contact: CylinderContact | ProfileContact, mu: float, schedule: Sequence[LoadStep]):
         self._schedule = schedule
         self._is_sharp = isinstance(contact, ProfileContact) and contact.profile.order < 2
         self._states = SpringPath(contact, mu or 1.0).run([(step.P, step.Q) for step in schedule])

@@ -74,7 +74,7 @@ def solve(values: dict) -> dict:
 
 def _measure(scene: Scene) -> dict:
     simulation = Simulation(MPI.COMM_SELF, scene)
-    simulation.solver.confirms = True
+    simulation.solver.configure(confirm=True)
     meter = EnergyMeter(simulation.body)
     for entry in simulation.run():
         meter.read(entry)

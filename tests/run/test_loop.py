@@ -79,11 +79,11 @@ def test_a_state_out_of_balance_is_not_accepted(method):
     u = body.state.x.array.copy()
     body.state.x.array[2 * nodes[np.argmin(abs(x - 0.5))] + 1] += 2e-4
     body.state.x.array[2 * nodes[np.argmin(abs(x + 0.5))] + 1] -= 2e-4
-    assert problem.residual(load)[0].norm() > 1e-4 * load[1]
+    assert problem.residual(load)[0].norm() > 1e-4 * load.P
     assert not newton.balance(load).converged
     result = newton.solve(load)
     assert result.converged and result.iterations > 0
-    assert problem.residual(load)[0].norm() < 1e-7 * load[1]
+    assert problem.residual(load)[0].norm() < 1e-7 * load.P
     body.complete()
     assert body.state.x.array == pytest.approx(u, abs=1e-7)
 

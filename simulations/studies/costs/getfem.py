@@ -154,7 +154,7 @@ def _slip_data(relative):
 def _errors(scene, scaled, programme, states):
     """Against the mesh-free solver with the same coupling, at the last state and over the cycle."""
     solver = half_plane_solver(scene, scaled, Effects(scene), nodes=NODES[0])
-    exact = solver.run([(1.0, 0.0)] + [increment.load[::-1] for increment in programme])
+    exact = solver.run([(1.0, 0.0)] + [increment.load for increment in programme])
     last, end = states[-1], exact[-1]
     field = {
         name: np.interp(last["x"], end.x, getattr(end, name), left=0.0, right=0.0)
