@@ -16,6 +16,7 @@ from .material import GradedHalfPlane
 from .normal import ProfileContact
 from .partial_slip import PartialSlip
 from .point_force import point_force_displacement
+from .pressing_with_friction import PressingWithFriction
 from .profile import PowerProfile, Profile
 from .spring_path import SpringPath
 from .tangential import UniformShift, from_displacement, from_traction
@@ -31,6 +32,7 @@ __all__ = [
     "PartialSlip",
     "PowerLawKernel",
     "PowerProfile",
+    "PressingWithFriction",
     "Profile",
     "ProfileContact",
     "PunchSuperposition",
