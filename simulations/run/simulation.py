@@ -22,6 +22,7 @@ from ..scene.scene import Scene
 from ..solvers.condensed.compliance import Compliance
 from ..solvers.condensed.system import CondensedSystem
 from ..solvers.full import FullSystem
+from . import freeing
 from .expected_edges import expected_edges
 from .history import Entry, History
 from .limits import check_parameters, check_resolution, check_round_off, check_size
@@ -61,6 +62,7 @@ class Simulation:
         self.programme = self._programme()
         check_parameters(scene)
         if like is None:
+            freeing.earlier(comm)
             with self.watch("mesh"):
                 self.cells = cells or on_root(comm, self._grading)
                 check_resolution(scene, self.cells, self.loop)
@@ -70,6 +72,7 @@ class Simulation:
         with self.watch("forms"):  # compiles them the first time
             if like is None:
                 self.body = self._body(mesh, facets)
+                freeing.later(self.body)
             else:
                 self._take_over(like)
             nitsche = Nitsche(scene["solver.gamma0"], scene["solver.theta"])
