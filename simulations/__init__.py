@@ -15,6 +15,7 @@ __version__ = "0.1.0"
 if TYPE_CHECKING:
     from .api import Result, make_scene, run
     from .loading.stepping import SolveError
+    from .run.checks import ChecksWarning
     from .run.comparison import compare
     from .run.reference import closed_form, of_same_physics
     from .run.simulation import Simulation
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from .scene.scene import DEFAULT_SCENE, Scene, language, parse, resolve
 
 _EXPORTS = {
+    "ChecksWarning": "run.checks",
     "compare": "run.comparison",
     "SceneError": "scene.language",
     "Result": "api",
@@ -38,6 +40,7 @@ _EXPORTS = {
     "Simulation": "run.simulation",
 }
 __all__ = [
+    "ChecksWarning",
     "DEFAULT_SCENE",
     "Result",
     "Scene",

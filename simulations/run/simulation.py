@@ -1,10 +1,7 @@
 """From a scene to states: mesh, contact problem and load programme put together. No files."""
 
 from collections.abc import Iterator
-from dataclasses import astuple
 from functools import cached_property
-
-import numpy as np
 
 from analytic import GradedHalfPlane, point_force_displacement
 
@@ -26,6 +23,7 @@ from . import freeing
 from .expected_edges import expected_edges
 from .history import Entry, History
 from .limits import check_parameters, check_resolution, check_round_off, check_size
+from .reuse import reuse_reason
 from .timing import Stopwatch
 
 # The far field is known less well where a coating is not in it, or where coupling moves the contact aside and with it
@@ -33,13 +31,57 @@ from .timing import Stopwatch
 FARTHER = 5.0
 
 
-class Simulation:
+class Plan:
+    """What a scene asks for, in scaled units, before anything is meshed.
+
+    ``contact`` and ``loop`` are the closed forms, None where there are none; ``watch`` has the seconds spent in each
+    phase.
+    """
+
+    def __init__(self, scene: Scene, watch: Stopwatch):
+        self.scene, self.effects, self.watch = scene, Effects(scene), watch
+        self.scaled = Scaled.of(scene)
+        self.contact, self.mu = self.scaled.contact, scene["load.mu"] if scene.friction else 0.0
+        self.loop = None
+        if scene.is_loop and self.contact:
+            self.loop = self.contact.fretting(mu=self.mu, z=1.0 - scene["load.amplitude"])
+        self.programme = self._programme()
+
+    def grading(self) -> Grading:
+        """Cell sizes of the scene, graded to where contact and stick zone are expected to end."""
+        scene = self.scene
+        loads = [(increment.P, increment.Q) for increment in self.programme]
+        with self.watch("edges"):
+            found = expected_edges(scene, self.scaled, self.loop, self.effects, loads)
+        sizes = scene.cell_sizes
+        if not scene.is_power_law:
+            sizes["extent"] *= FARTHER * max(1.0, self.scaled.modulus.thickness)
+        elif "coupling" in self.effects and not scene.is_decoupled:
+            sizes["extent"] *= FARTHER
+        edges = {*found.edges, *(-e for e in found.edges)}
+        sweeps = found.sweeps(scene.k, sizes["facet"], sizes["edge_facet"])
+        return Grading(edges=tuple(sorted(edges)), sweeps=sweeps, **sizes)
+
+    def _programme(self):
+        scene = self.scene
+        steps = scene["solver.normal_increments"] if "friction in normal stage" in self.effects else 1
+        if "load.points" in scene.values:
+            points = [(P / scene.P, Q / scene.P) for P, Q in scene["load.points"]]
+            first, *rest = points
+            return pressing(first[0], steps) + visiting(first, rest, scene["solver.increments"])
+        if not scene.friction:
+            return pressing(1.0)
+        Q_A = scene["load.amplitude"] * self.mu
+        return pressing(1.0, steps) + rocking(1.0, Q_A, scene["load.cycles"], scene["solver.increments"])
+
+
+class Simulation(Plan):
     """A scene on a communicator, ready to run.
 
     ``history`` grows by one entry an increment while ``run`` is iterated; ``body`` then carries that entry's fields.
-    ``contact`` and ``loop`` are the closed forms in scaled units, None where there are none; ``watch`` has the seconds
-    spent in each phase.
     """
+
+    planned = staticmethod(lambda scene: Plan(scene, Stopwatch()))
 
     def __init__(
         self,
@@ -49,22 +91,16 @@ class Simulation:
         like: "Simulation | None" = None,
         watch: Stopwatch | None = None,
     ):
-        """cells: of the mesh, where they are not those of the scene; like: a simulation of the same solid (k, nu,
-        coating), whose mesh, stiffness and compliance this one takes over, whatever its loads, friction and cylinder:
-        it then ends that one; watch: what measures the phases.
+        """cells: of the mesh, where they are not those of the scene; like: a simulation of the same solid, whose
+        mesh, stiffness and compliance this one takes over where they do (``reuse_reason``), whatever its loads, friction
+        and cylinder: it then ends that one; watch: what measures the phases.
         """
-        self.scene, self.effects, self.watch = scene, Effects(scene), watch or Stopwatch()
-        self.scaled = Scaled.of(scene)
-        self.contact, self.mu = self.scaled.contact, scene["load.mu"] if scene.friction else 0.0
-        self.loop = None
-        if scene.is_loop and self.contact:
-            self.loop = self.contact.fretting(mu=self.mu, z=1.0 - scene["load.amplitude"])
-        self.programme = self._programme()
+        super().__init__(scene, watch or Stopwatch())
         check_parameters(scene)
         if like is None:
             freeing.earlier(comm)
             with self.watch("mesh"):
-                self.cells = cells or on_root(comm, self._grading)
+                self.cells = cells or on_root(comm, self.grading)
                 check_resolution(scene, self.cells, self.loop)
                 self.ordinates = self._ordinates()
                 check_size(scene, self.cells, *(len(nodes) - 1 for nodes in self.ordinates))
@@ -114,38 +150,14 @@ class Simulation:
         )
 
     def _take_over(self, other: "Simulation"):
-        """The body of ``other``, at rest; ValueError where it is not the same in scaled units."""
-        mine, theirs = (
-            (
-                *astuple(s.scaled.modulus),  # type: ignore[call-overload]
-                s.scene["solid.nu"],
-                s.scene["mesh.degree"],
-                *(e in s.effects for e in ("symmetry", "incompressibility")),
-            )
-            for s in (self, other)
-        )
-        if type(self.scaled.modulus) is not type(other.scaled.modulus) or not np.allclose(
-            mine, theirs, rtol=1e-12, atol=0
-        ):
-            raise ValueError("another solid: its body cannot be taken over")
-        if self.effects.works(self.scene, self.scaled.scales) or other.effects.works(other.scene, other.scaled.scales):
-            raise ValueError("effects add to the stiffness: the body cannot be taken over")
+        """The body of ``other``, at rest; ValueError where this scene cannot be run on it."""
+        reason = reuse_reason(other, self.scene)
+        if reason:
+            raise ValueError(f"the body cannot be taken over: {reason}")
         self.cells, self.ordinates, self.body = other.cells, other.ordinates, other.body
         self.body.reset()
         if other.scene["solver.method"] == "condensed":
             self._compliance = other._compliance
-
-    def _programme(self):
-        scene = self.scene
-        steps = scene["solver.normal_increments"] if "friction in normal stage" in self.effects else 1
-        if "load.points" in scene.values:
-            points = [(P / scene.P, Q / scene.P) for P, Q in scene["load.points"]]
-            first, *rest = points
-            return pressing(first[0], steps) + visiting(first, rest, scene["solver.increments"])
-        if not scene.friction:
-            return pressing(1.0)
-        Q_A = scene["load.amplitude"] * self.mu
-        return pressing(1.0, steps) + rocking(1.0, Q_A, scene["load.cycles"], scene["solver.increments"])
 
     def run(self) -> Iterator[Entry]:
         """Solve increment after increment, from where the history ends; SolveError where one fails."""
@@ -176,21 +188,6 @@ class Simulation:
     def numbering(self) -> Numbering:
         """Places of the nodes on the mesh, for files."""
         return Numbering(self.body, *self.ordinates)
-
-    def _grading(self) -> Grading:
-        """Cell sizes of the scene, graded to where contact and stick zone are expected to end."""
-        scene = self.scene
-        loads = [(increment.P, increment.Q) for increment in self.programme]
-        with self.watch("edges"):
-            found = expected_edges(scene, self.scaled, self.loop, self.effects, loads)
-        sizes = scene.cell_sizes
-        if not scene.is_power_law:
-            sizes["extent"] *= FARTHER * max(1.0, self.scaled.modulus.thickness)
-        elif "coupling" in self.effects and not scene.is_decoupled:
-            sizes["extent"] *= FARTHER
-        edges = {*found.edges, *(-e for e in found.edges)}
-        sweeps = found.sweeps(scene.k, sizes["facet"], sizes["edge_facet"])
-        return Grading(edges=tuple(sorted(edges)), sweeps=sweeps, **sizes)
 
     def _system(self, problem):
         if self.scene["solver.method"] == "full":
