@@ -17,6 +17,7 @@ from .normal import ProfileContact
 from .partial_slip import PartialSlip
 from .point_force import point_force_displacement
 from .profile import PowerProfile, Profile
+from .spring_path import SpringPath
 from .tangential import UniformShift, from_displacement, from_traction
 from .two_bodies import GradedPair
 
@@ -33,6 +34,7 @@ __all__ = [
     "Profile",
     "ProfileContact",
     "PunchSuperposition",
+    "SpringPath",
     "UndefinedDisplacementError",
     "UniformShift",
     "contact_edges",

@@ -1,4 +1,4 @@
-"""Frictional contact with the rigid cylinder, in Nitsche's form.
+"""Frictional contact with the rigid indenter, in Nitsche's form: the pieces of weak_form.Contact.
 
 The contact conditions p >= 0, gap >= 0, p gap = 0 and |q| <= mu p with slip against q are equalities:
 
@@ -6,44 +6,47 @@ The contact conditions p >= 0, gap >= 0, p gap = 0 and |q| <= mu p with slip aga
     q = clip( t_x(u) - gamma (s(u) - s_anchor), -mu p, mu p )
 
 for any gamma > 0, with t(u) the traction of the displacement field and s = u_x - delta_x the
-displacement relative to the cylinder. Nitsche's method puts these right-hand sides into the weak form as
+displacement relative to the indenter. Nitsche's method puts these right-hand sides into the weak form as
 surface tractions. ``s_anchor`` is where a point last came to rest; it is moved after each increment
 by ``rest_position`` (a return mapping), so that an increment without load changes nothing.
 """
 
 import ufl
 
-HELD = 2.0  # in ``slides``: a point that does not slide whatever its traction
+X, Y = 0, 1  # components: along the surface, into the body
+OPEN, BACKWARD, CLOSED, FORWARD = 0, 1, 2, 3  # contact states: sliding along -x, closed or stuck, sliding along +x
+PINNED = 2.0  # in ``slides``: a point that does not slide whatever its traction
 
 
 def gap(u, profile, delta):
-    """Normal distance  f(x) + u_y - delta_y  between surface and cylinder; negative is overlap."""
-    return profile + u[1] - delta[1]
+    """Normal distance  f(x) + u_y - delta_y  between surface and indenter; negative is overlap."""
+    return profile + u[Y] - delta[Y]
 
 
 def relative_displacement(u, delta):
-    """Tangential displacement  s = u_x - delta_x  of the surface relative to the cylinder."""
-    return u[0] - delta[0]
+    """Tangential displacement  s = u_x - delta_x  of the surface relative to the indenter."""
+    return u[X] - delta[X]
 
 
 def contact_pressure(traction, gap, gamma):
     """p = [ t_y - gamma gap ]_+ ."""
-    trial = traction[1] - gamma * gap
+    trial = traction[Y] - gamma * gap
     return ufl.conditional(ufl.gt(trial, 0.0), trial, 0.0)
 
 
 def trial_traction(traction, s, anchor, gamma):
     """The tangential traction of a point that does not slip:  t_x - gamma (s - s_anchor)."""
-    return traction[0] - gamma * (s - anchor)
+    return traction[X] - gamma * (s - anchor)
 
 
 def slides(trial, limit, before):
     """Where a point slides: 1 along +x, -1 along -x, 0 where it sticks.
 
     before: where it slid in the last Newton iterate. A point does not turn from sliding one way to sliding the other
-    at once but sticks in between, and one that is HELD does not slide at all; 0 everywhere for Coulomb's law as it is.
+    at once but sticks in between, and one that is PINNED does not slide at all; 0 everywhere for Coulomb's law as it
+    is.
     """
-    forward = ufl.And(ufl.gt(trial, limit), ufl.And(ufl.gt(before, -0.5), ufl.lt(before, (1.0 + HELD) / 2)))
+    forward = ufl.And(ufl.gt(trial, limit), ufl.And(ufl.gt(before, -0.5), ufl.lt(before, (1.0 + PINNED) / 2)))
     backward = ufl.And(ufl.lt(trial, -limit), ufl.lt(before, 0.5))
     return ufl.conditional(forward, 1.0, ufl.conditional(backward, -1.0, 0.0))
 
@@ -64,12 +67,18 @@ def coulomb(trial, pressure, limit, sliding, all_stick):
     return ufl.conditional(ufl.gt(all_stick, 0.5), stuck, projected)
 
 
+def contact_state(pressure, sliding=None):
+    """OPEN, CLOSED, FORWARD or BACKWARD as a number; sliding: from ``slides``, None without friction."""
+    closed = ufl.conditional(ufl.gt(pressure, 0.0), float(CLOSED), float(OPEN))
+    return closed if sliding is None else ufl.conditional(ufl.gt(closed, 1.0), closed + sliding, 0.0)
+
+
 def rest_position(traction, s, q, gamma):
     """The anchor after an increment that ended with traction ``q``:  s - (t_x - q)/gamma.
 
     Unchanged where the point stuck; where it slid, the position from which ``q`` is the trial value.
     """
-    return s - (traction[0] - q) / gamma
+    return s - (traction[X] - q) / gamma
 
 
 def work(contact_traction, v, direction):

@@ -6,7 +6,7 @@ stress ``pi = lambda div u`` as a field of its own. ``pi`` is None in the first.
 
 import ufl
 
-from .depth import DepthMap
+from .depth_map import DepthMap
 
 
 def stress(modulus_times_gradient, nu, pi=None):

@@ -14,22 +14,7 @@ from mpi4py import MPI
 from .run import checks, comparison, reference
 from .run.history import Entry
 from .run.simulation import Simulation
-from .scene.scene import DEFAULT_SCENE, THICKNESS, Y0, Scene, resolve
-from .scene.text import flatten, read_keys
-
-
-def make_scene(changes: Mapping[str, Any] | None = None, base: str | Scene | None = DEFAULT_SCENE) -> Scene:
-    """A checked scene: ``base`` (TOML text, a Scene, or None for nothing) with changed keys; or a SceneError.
-
-    changes: ``{"solid.k": 0.5}`` or tables, ``{"solid": {"k": 0.5}}``; a key that is None is taken out.
-    """
-    given = {} if base is None else dict(base.values if isinstance(base, Scene) else read_keys(base))
-    new = flatten(dict(changes or {}))
-    for pair in (Y0, THICKNESS):
-        if any(new.get(name) is not None for name in pair):
-            given = {name: value for name, value in given.items() if name not in pair}
-    given |= new
-    return resolve({name: value for name, value in given.items() if value is not None})
+from .scene import DEFAULT_SCENE, Scene, make_scene
 
 
 @dataclass(frozen=True)
@@ -124,7 +109,8 @@ def run(
     """Run a Scene, or ``make_scene(changes, base)``, to its end; no files. SolveError where there is no solution.
 
     Where checks of the result fail, a ``ChecksWarning`` names them (``warnings.simplefilter("error", ChecksWarning)``
-    makes it an error). comm: every rank of it calls ``run`` and gets the whole result; progress: called with each entry of the history.
+    makes it an error). comm: every rank of it calls ``run`` and gets the whole result; progress: called with each entry
+    of the history.
     """
     scene = changes if isinstance(changes, Scene) else make_scene(changes, base)
     simulation = Simulation(comm, scene)

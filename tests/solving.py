@@ -7,7 +7,7 @@ from simulations.run.comparison import compare
 from simulations.run.expected_edges import ExpectedEdges
 from simulations.run.reference import closed_form
 from simulations.run.simulation import Simulation
-from simulations.scene.scene import DEFAULT_SCENE, parse
+from simulations.scene import DEFAULT_SCENE, parse
 
 
 def coarse_simulation(text=DEFAULT_SCENE, cells=None, like=None, **changes) -> Simulation:

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 import simulations
 from simulations import SceneError, make_scene, parse, run
-from simulations.scene.language import SceneError as OneError
+from simulations.scene import SceneError as OneError
 
 QUICK = COARSE | {"load.cycles": 0}
 
@@ -41,12 +41,12 @@ def test_a_run_gives_arrays_and_leaves_no_files(tmp_path, monkeypatch):
 
 def test_scenes_are_made_of_keys_or_tables():
     one = make_scene({"solid.k": 0.5, "load": {"amplitude": 0.6}})
-    assert one["solid.k"] == 0.5 and one["load.amplitude"] == 0.6
+    assert one.solid.k == 0.5 and one.load.amplitude == 0.6
     assert make_scene(base=one) == one
-    assert make_scene({"solid.y0": 0.5}, one)["solid.y0"] == 0.5
-    assert make_scene({"solid.nu": 0.3}, parse(one.to_toml()))["solid.nu"] == 0.3
+    assert make_scene({"solid.y0": 0.5}, one).solid.y0 == 0.5
+    assert make_scene({"solid.nu": 0.3}, parse(one.to_toml())).solid.nu == 0.3
     without = make_scene({"load.mu": None, "load.amplitude": None, "load.cycles": None})
-    assert without["effects.friction"] is False
+    assert without.effects.friction is False
     with pytest.raises(SceneError, match="did you mean solid.k"):
         make_scene({"solid": {"K": 0.5}})
     with pytest.raises(SceneError, match="solid.E0 is missing"):

@@ -12,8 +12,7 @@ from petsc4py import PETSc
 
 from .. import __version__
 from ..output import checkpoint
-from ..scene.language import SceneError, shown
-from ..scene.scene import Scene, parse
+from ..scene import Scene, SceneError, parse, shown
 
 LARGEST_SCENE = 1_000_000
 EPILOG = """\

@@ -22,7 +22,7 @@ from ..loading.stepping import SolveError
 from ..output.files import OutputError
 from ..output.folder import writable
 from ..run.checks import ChecksFailed
-from ..scene.language import SceneError
+from ..scene import SceneError
 from .arguments import Parser
 from .stopping import signal, stopping
 

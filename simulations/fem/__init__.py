@@ -1,1 +1,1 @@
-"""The discrete problem: mesh, spaces and stiffness of the elastic body, contact terms, slip memory, surface quantities."""
+"""The discrete problem: mesh, spaces and stiffness of the body, contact terms, slip memory, surface quantities."""

@@ -1,6 +1,6 @@
 """The graded gmsh mesh: layers towards the surface, columns towards the contact and stick edges.
 
-Lengths are in contact half-widths ``a``; the depth is the mesh depth ``s`` of ``forms.depth``. The mesh is a
+Lengths are in contact half-widths ``a``; the depth is the mesh depth ``s`` of ``forms.depth_map``. The mesh is a
 tensor product of quadrilaterals, because on symmetric columns the nodal contact forces are more accurate
 (by an order of magnitude, measured) than on triangles of the same number of unknowns.
 """
@@ -12,7 +12,7 @@ import numpy as np
 from dolfinx.graph import adjacencylist
 from dolfinx.io import gmshio
 
-from forms.depth import DepthMap
+from forms.depth_map import DepthMap
 
 SURFACE, FAR, SYMMETRY, BODY = 1, 2, 3, 4  # physical groups
 APART = 2.0  # facets between edges that can both be placed
@@ -111,7 +111,7 @@ def layers(grading: Grading, depth: DepthMap, kink: float = np.inf) -> np.ndarra
     return s
 
 
-def half_plane(comm, x: np.ndarray, s: np.ndarray):
+def create_mesh(comm, x: np.ndarray, s: np.ndarray):
     """Distributed mesh of [x0, x1] x [0, s1] and its facet tags SURFACE (s = 0), FAR (the rest).
 
     Where x starts at 0 the left side is tagged SYMMETRY instead of FAR. Ranks own columns from left to right, as many

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from .body import HalfPlane
+from .body import ElasticBody
 
 INSIDE = {1: (), 2: (0.5,), 3: (0.5 - 0.5 / 5**0.5, 0.5 + 0.5 / 5**0.5)}  # nodes between vertices, by degree: GLL's
 
@@ -14,7 +14,7 @@ class Numbering:
     form the mean stress follows with its own, of degree d - 1.
     """
 
-    def __init__(self, body: HalfPlane, x: np.ndarray, s: np.ndarray):
+    def __init__(self, body: ElasticBody, x: np.ndarray, s: np.ndarray):
         self.body, self.comm = body, body.mesh.comm
         self._degree = body.degree
         self._x, self._s = (_with_nodes_between(nodes, self._degree) for nodes in (x, s))

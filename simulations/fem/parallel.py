@@ -1,4 +1,4 @@
-"""Collective operations: rows of all ranks on every rank; a task of rank 0 whose result or failure reaches every rank."""
+"""Collective operations: rows of all ranks on every rank; a task of rank 0, its result or failure on every rank."""
 
 from collections.abc import Callable
 from typing import TypeVar

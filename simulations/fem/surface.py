@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from dolfinx import fem
 
-from .body import HalfPlane, X, Y
+from .body import ElasticBody, X, Y
 from .contact_problem import ContactProblem
 from .parallel import gathered
 
@@ -41,50 +41,55 @@ class SurfaceState:
 class SurfaceSampler:
     """Collects a SurfaceState from all ranks. problem: any on the body; uncoupled: the pressure's u_x is not slip."""
 
-    def __init__(self, body: HalfPlane, problem: ContactProblem, uncoupled: bool = False):
+    def __init__(self, body: ElasticBody, problem: ContactProblem, uncoupled: bool = False):
         self.body, self._uncoupled = body, uncoupled
         nodes = fem.locate_dofs_topological(body.displacements, 1, body.strip)
         self._nodes = nodes[nodes < body.owned_nodes]
         x = gathered(body.mesh.comm, body.displacements.tabulate_dof_coordinates()[self._nodes, 0])
         self._order = np.argsort(x)
         self.x = x[self._order]
-        self.weight = self._collect(problem.tributary_lengths()[self._nodes])
-        if body.is_half:
-            self.weight[len(self.x) - 1] *= 2.0  # the node on the axis
-            self.x = np.concatenate([-self.x[:0:-1], self.x])
+        self.weight = self._collect_sums(problem.terms.tributary_lengths()[self._nodes])
+        self.x = self._mirrored(self.x, -1)
 
     def sample(self, problem: ContactProblem) -> SurfaceState:
         """The present state of the surface; contact tractions are nodal forces over tributary lengths."""
-        force = [self._collect(problem.nodal_forces(i, self._nodes)) for i in (X, Y)]
-        if self.body.is_half:
-            force[Y][len(self.x) // 2] *= 2.0
+        force = [self._collect_sums(problem.terms.nodal_forces(i, self._nodes)) for i in (X, Y)]
         dofs = self.body.dofs[self._nodes]
-        u, held = (state.x.array[dofs] for state in (self.body.state, problem.held_state or self.body.state))
-        neglected = held[:, X] if self._uncoupled else np.zeros(len(u))
+        normal = problem.held.state if problem.held else self.body.state  # of the pressure alone
+        u, normal_u = self.body.state.x.array[dofs], normal.x.array[dofs]
+        neglected = normal_u[:, X] if self._uncoupled else np.zeros(len(u))
         return SurfaceState(
             x=self.x,
             weight=self.weight,
             pressure=force[Y] / self.weight,
             traction=force[X] / self.weight,
-            u=np.stack([self._collect(u[:, X], mirrored=-1), self._collect(u[:, Y])]),
+            u=np.stack([self._collect(u[:, X], parity=-1), self._collect(u[:, Y])]),
             delta=self.body.delta.value.copy(),
-            neglected=self._collect(neglected, mirrored=-1),
+            neglected=self._collect(neglected, parity=-1),
         )
 
-    def _collect(self, nodal, mirrored: int = 1):
-        """Sorted values of all ranks; for half a problem also those of its mirror image, times ``mirrored``."""
-        values = gathered(self.body.mesh.comm, nodal)[self._order]
+    def _collect(self, nodal, parity: int = 1):
+        """Sorted values of all ranks, mirrored."""
+        return self._mirrored(gathered(self.body.mesh.comm, nodal)[self._order], parity)
+
+    def _collect_sums(self, nodal):
+        """The same for integrals over the surface around a node; on the axis half of it is on the mesh."""
+        values = self._collect(nodal)
         if self.body.is_half:
-            return np.concatenate([mirrored * values[:0:-1], values])
+            values[len(values) // 2] *= self.body.symmetry_factor
         return values
 
+    def _mirrored(self, values, parity: int):
+        """Values at x > 0, for half a body also those of its mirror image: times ``parity``."""
+        return np.concatenate([parity * values[:0:-1], values]) if self.body.is_half else values
 
-def contact_edges(state: SurfaceState, k: float) -> tuple[float, float]:
+
+def fitted_contact_edges(state: SurfaceState, k: float) -> tuple[float, float]:
     """Left and right edge of the contact, where the pressure ends like distance^((1+k)/2), (44)."""
     return _edges(state.x, state.pressure, k)
 
 
-def stick_edges(state: SurfaceState, mu: float, direction: int, k: float) -> tuple[float, float]:
+def fitted_stick_edges(state: SurfaceState, mu: float, direction: int, k: float) -> tuple[float, float]:
     """Left and right edge of the stick zone while the load moves in ``direction`` (+1, -1; 0: neither).
 
     The traction's distance from the limit it slides at, mu p - direction q, ends there like distance^((1+k)/2), (47).

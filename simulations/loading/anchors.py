@@ -9,7 +9,9 @@ are anchored on the curve that the edge has drawn.
 import numpy as np
 from mpi4py import MPI
 
-from ..fem.contact_problem import CLOSED, OPEN, ContactProblem
+from forms.contact import CLOSED, OPEN
+
+from ..fem.contact_problem import ContactProblem
 
 
 class Newcomers:
@@ -17,7 +19,7 @@ class Newcomers:
 
     def __init__(self, problem: ContactProblem):
         self._problem, self._comm = problem, problem.body.mesh.comm
-        parts = self._comm.allgather(problem.surface_abscissae())
+        parts = self._comm.allgather((problem.points.x, problem.points.middle))
         x, cell = (np.concatenate(part) for part in zip(*parts))
         self._order = np.lexsort((cell, x))
         self._x = x[self._order]
@@ -26,22 +28,22 @@ class Newcomers:
 
     def begin(self):
         """Keep the anchors with which an increment was solved."""
-        self._start = self._problem.anchor.x.array.copy()
+        self._start = self._problem.memory.save()
         self._moved = np.zeros(len(self._mine), dtype=bool)
 
     def anchor(self) -> bool:
         """Move the newcomers' anchors to where their edges are now thought to have passed; whether there are any."""
-        problem = self._problem
-        local = problem.states_at_rest(), problem.contact_states(), problem.rest_positions()
+        memory = self._problem.memory
+        local = memory.states_at_rest(), self._problem.terms.contact_states(), memory.rest_positions()
         places, positions = stops(self._x, *(np.concatenate(self._comm.allgather(v))[self._order] for v in local))
         self._moved = places[self._mine]
-        problem.anchor.x.array[:] = self._start
-        problem.move_anchors(self._moved, positions[self._mine])
+        memory.restore(self._start)
+        memory.move_anchors(self._moved, positions[self._mine])
         return bool(np.any(places))
 
     def are_settled(self) -> bool:
         """Whether all points whose anchors were moved stick still: one that slides would do so from the wrong place."""
-        stick = np.all(self._problem.contact_states()[self._moved] == CLOSED)
+        stick = np.all(self._problem.terms.contact_states()[self._moved] == CLOSED)
         return self._comm.allreduce(bool(stick), MPI.LAND)
 
 

@@ -10,7 +10,9 @@ others where all go one way.
 import numpy as np
 from mpi4py import MPI
 
-from ..fem.contact_problem import BACKWARD, CLOSED, FORWARD, ContactProblem
+from forms.contact import BACKWARD, CLOSED, FORWARD
+
+from ..fem.contact_problem import ContactProblem
 
 SAME = 1e-12  # of the contact half-width: points this close are one node's
 
@@ -20,14 +22,14 @@ class HeldPoint:
 
     def __init__(self, problem: ContactProblem):
         self._problem, self._comm = problem, problem.body.mesh.comm
-        self._x = problem.surface_abscissae()[0]
+        self._x = problem.points.x
         self._held: float | None = None  # abscissa
 
     def update(self) -> bool:
         """Hold a point if all in contact slide at the present iterate, and tell whether one is held anew."""
-        if self._problem.all_stick.value:
+        if self._problem.safeguards.is_predicting:
             return False
-        states = self._problem.contact_states()
+        states = self._problem.terms.contact_states()
         sliding = (states == FORWARD) | (states == BACKWARD)
         state = self._state_of_held(states)
         sticks, slides = np.any(self._comm.allgather((np.any(states == CLOSED), np.any(sliding))), axis=0)
@@ -37,7 +39,7 @@ class HeldPoint:
             return False
         found = self._least(sliding & (states != state))
         self._held = self._least(sliding & ~self._at_held()) if found is None else found
-        self._problem.hold(self._at_held())
+        self._problem.safeguards.pin(self._at_held())
         return self._held is not None
 
     def release(self):
@@ -46,7 +48,7 @@ class HeldPoint:
 
     def _least(self, among) -> float | None:
         """x of the point that slides least among those (bool (m,)) of all ranks; None without any."""
-        beyond = np.where(among, self._problem.slip_beyond_limit(), np.inf)
+        beyond = np.where(among, self._problem.safeguards.slip_beyond_limit(), np.inf)
         least = [(beyond[i], self._x[i]) for i in np.argsort(beyond)[:1] if among[i]]
         return min(sum(self._comm.allgather(least), []), default=(0.0, None))[1]
 

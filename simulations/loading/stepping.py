@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 from ..fem.contact_problem import ContactProblem, X, Y
-from ..solvers.newton import Newton, NewtonResult, System
+from ..solvers.newton import FORCE_TOLERANCE, Newton, NewtonResult, System
 from .anchors import Newcomers
 from .pinning import HeldPoint
 from .schedule import Increment
@@ -45,13 +45,20 @@ class LoadProgramme:
 
     normal: the frictionless problem; frictional: the one that takes over when tangential loading starts, or from
     the first contact on (``friction_first``), or None; system: function from a problem to the newton.System that
-    solves it.
+    solves it; tolerance: Newton's, of forces and loads over P.
     """
 
-    def __init__(self, normal: ContactProblem, frictional: ContactProblem | None, system, mu=0.0, friction_first=False):
+    def __init__(
+        self,
+        normal: ContactProblem,
+        frictional: ContactProblem | None,
+        system,
+        friction_first=False,
+        tolerance: float = FORCE_TOLERANCE,
+    ):
         self.problem, self.normal, self.frictional = normal, normal, frictional
-        self.body, self.mu, self._system = normal.body, mu, system
-        self._friction_first = friction_first
+        self.body, self._system = normal.body, system
+        self._friction_first, self._tolerance = friction_first, tolerance
         self.confirms = False  # set before ``run``: solves under Coulomb's law as it is are confirmed (newton.Newton)
 
     @property
@@ -69,7 +76,6 @@ class LoadProgramme:
         self._newton = self._start(self.normal)
         if self.frictional and (self._friction_first or any(increment.branch != "normal" for increment in done)):
             self._normal_newton, self.problem = self._newton, self.frictional
-            self.frictional.mu.value = self.mu
             self._newton = self._start(self.frictional)
 
     def run(self, programme: list[Increment], done: int = 0) -> Iterator[Outcome]:
@@ -99,20 +105,19 @@ class LoadProgramme:
         return HeldPoint(self.problem)
 
     def _start(self, problem):
-        return Newton(self._system(problem), self.body.mesh.comm)
+        return Newton(self._system(problem), self.body.mesh.comm, tolerance=self._tolerance)
 
     def _begin_friction(self):
         self._normal_newton, self.problem = self._newton, self.frictional
         if Y not in self.frictional.directions:
             self.frictional.hold_pressure(self.normal)
-        self.frictional.mu.value = self.mu
         if not self._friction_first:  # there the surface came to rest before it was touched, at s = 0
-            self.frictional.release()
+            self.frictional.memory.release()
         self._newton = self._start(self.frictional)
 
     def _renew_pressure(self, increment: Increment, results: list[NewtonResult]):
         """Without coupling: the frictionless contact under a new P, beneath an unchanged tangential problem."""
-        tangential = self.problem.without_held()
+        tangential = self.problem.held.remove_tangential()
         result = self._normal_newton.solve((0.0, increment.P), confirm=self.confirms)
         results.append(result)
         if not result.converged:
@@ -131,7 +136,7 @@ class LoadProgramme:
             if self.problem.friction:
                 if after.branch == "normal":
                     self._settle(after.load, results)
-                self.problem.come_to_rest()
+                self.problem.memory.come_to_rest()
             return 0
         self._restore(saved)
         if depth == MAX_CUTS:
@@ -149,8 +154,7 @@ class LoadProgramme:
     def _solve(self, load, results: list[NewtonResult]) -> tuple[NewtonResult, NewtonResult]:
         """The last attempt, converged or not, and the first."""
         saved = self._save()
-        predict = self.problem.all_stick if self.problem.friction else None
-        attempts = [lambda: self._newton.solve(load, predict, confirm=self.confirms)]
+        attempts = [lambda: self._newton.solve(load, self.problem.friction, confirm=self.confirms)]
         if self.problem.friction:
             attempts.append(lambda: self._guarded(load, results))
         if self.problem.directions == (X, Y):
@@ -187,11 +191,11 @@ class LoadProgramme:
 
         One point sticks at least: where all would slide, one is held.
         """
-        problem, newton = self.problem, self._newton
-        newton.after_linearise, newton.after_residual = problem.note_sliding, self._held_point.update
-        guarded = newton.solve(load, problem.all_stick)
+        safeguards, newton = self.problem.safeguards, self._newton
+        newton.after_linearise, newton.after_residual = safeguards.note_sliding, self._held_point.update
+        guarded = newton.solve(load, predict=True)
         newton.after_linearise, newton.after_residual = lambda: None, lambda: False
-        problem.forget_sliding()
+        safeguards.forget()
         self._held_point.release()
         if not guarded.converged:
             return guarded
@@ -204,29 +208,22 @@ class LoadProgramme:
         Each sweep is the tangent of a convex minimum, on which Newton does not cycle; the sweeps contract by about
         mu times the coupling.
         """
-        problem, predict = self.problem, self.problem.all_stick
-        for _ in range(MAX_SWEEPS):
-            problem.lag_pressure()
-            problem.lagged.value = 1.0
-            sweep = self._newton.solve(load, predict)
-            problem.lagged.value = 0.0
+        for sweeps in range(MAX_SWEEPS):
+            with self.problem.safeguards.lagged_pressure():
+                sweep = self._newton.solve(load, predict=sweeps == 0)
             if not sweep.converged:
                 return replace(sweep, reason=f"in a fixed-point sweep, {sweep.reason}")
             results.append(sweep)
-            predict = None
             balance = self._newton.balance(load)
             if balance.converged:
                 return balance
         return balance
 
-    def _fields(self):
-        return [self.body.state.x] + ([self.problem.anchor.x, self.problem.at_rest.x] if self.problem.friction else [])
-
     def _save(self):
-        return [f.array.copy() for f in self._fields()], self.body.delta.value.copy()
+        memory = self.problem.memory.save() if self.problem.friction else None
+        return self.body.state.x.array.copy(), self.body.delta.value.copy(), memory
 
     def _restore(self, saved):
-        arrays, delta = saved
-        for f, array in zip(self._fields(), arrays):
-            f.array[:] = array
-        self.body.delta.value[:] = delta
+        self.body.state.x.array[:], self.body.delta.value[:], memory = saved
+        if memory is not None:
+            self.problem.memory.restore(memory)

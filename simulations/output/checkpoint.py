@@ -25,8 +25,7 @@ from ..fem.mesh import Grading
 from ..fem.surface import SurfaceState
 from ..loading.stepping import Outcome
 from ..run import memory
-from ..scene.language import SceneError, one_line
-from ..scene.scene import Scene, parse
+from ..scene import Scene, SceneError, one_line, parse
 from ..solvers.newton import NewtonResult
 from .files import on_disk
 

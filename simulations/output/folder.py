@@ -20,13 +20,13 @@ from petsc4py import PETSc
 
 from .. import __version__
 from ..fem.parallel import on_root
-from ..scene.language import SceneError, shown
-from ..scene.scene import Scene
+from ..scene import Scene, SceneError, shown
 from . import checkpoint, fields
 from .checkpoint import SCENE
 from .files import write_text
 from .lock import Lock
 
+MOVED = Path("/opt/stack/moved.txt")  # of the image: packages whose recorded version the archive no longer had
 FILES = (SCENE, "history.csv", "surface.h5", fields.INDEX, "summary.json", "fretting.png")
 OTHERS = ("report.html",)  # made of the files of a run by other commands
 FOLDERS = (checkpoint.FOLDER, fields.FOLDER)
@@ -40,8 +40,8 @@ def files() -> tuple[str, ...]:
 
 
 def versions() -> dict[str, str]:
-    """What the numbers were made with."""
-    return {
+    """What the numbers were made with; packages of the image that are not the recorded ones too."""
+    found = {
         "graded-fretting": __version__,
         "python": platform.python_version(),
         "dolfinx": dolfinx.__version__,
@@ -49,6 +49,11 @@ def versions() -> dict[str, str]:
         "gmsh": gmsh.__version__,
         "numpy": np.__version__,
     }
+    if MOVED.is_file():
+        for line in MOVED.read_text(encoding="utf-8").splitlines():
+            package, recorded, installed = line.split()
+            found[package] = f"{installed} (recorded: {recorded})"
+    return found
 
 
 @contextmanager

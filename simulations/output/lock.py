@@ -13,7 +13,7 @@ import time
 from contextlib import suppress
 from pathlib import Path
 
-from ..scene.language import SceneError, shown
+from ..scene import SceneError, shown
 
 NAME = "run.lock"
 BEAT = 15.0

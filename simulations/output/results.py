@@ -120,10 +120,10 @@ class Results:
 
     def _plot(self):
         scene, findings = self.simulation.scene, self.findings
-        values = [f"k = {scene.k:g}", f"ν = {scene['solid.nu']:.4g}"]
+        values = [f"k = {scene.k:g}", f"ν = {scene.solid.nu:.4g}"]
         if scene.friction:
-            values.append(f"μ = {scene['load.mu']:g}")
-        title = f"{scene['title']}  ({', '.join(values)})".strip()
+            values.append(f"μ = {scene.load.mu:g}")
+        title = f"{scene.title}  ({', '.join(values)})".strip()
         lines = {findings.exact.other.name: findings.exact.other} if findings.exact else {}
         if findings.neglecting:
             lines[f"closed form (no {', no '.join(findings.neglecting.without)})"] = findings.neglecting.other

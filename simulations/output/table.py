@@ -39,8 +39,9 @@ def _rows(findings: Findings, names, beside: Comparison | None, kind: str) -> li
             lines.append(f"{name:28s}{findings.quantities[key]:16.8g}{theirs:{width}.8g}{own:21.1e}")
         elif key in findings.quantities:
             lines.append(f"{name:28s}{findings.quantities[key]:16.8g}")
+    lines.append(f"{'L2 over the contact':{44 + width - 17}s}{'last state':>17s}{'worst state':>21s}")
     for name in FIELDS:
         if f"{name}_l2" in beside.deviations:
-            text = f"{name}, L2 over the contact, last state"
-            lines.append(f"{text:{44 + width}s}{beside.deviations[name + '_l2']:21.1e}")
+            last, worst = (found[f"{name}_l2"] for found in (beside.deviations, beside.worst))
+            lines.append(f"{name:{44 + width - 17}s}{last:17.1e}{worst:21.1e}")
     return lines

@@ -41,6 +41,6 @@ def compare(history: History, reference: Reference) -> dict[str, float]:
 
 
 def worst(history: History, reference: Reference) -> dict[str, float]:
-    """The largest field deviations over every state of the last cycle."""
+    """The largest field deviations over every state of the last cycle, or of the run where there is none."""
     states = [compare_state(entry, reference) for entry in all_states(history)]
-    return {name: float(np.nanmax([state[name] for state in states])) for name in states[0]}
+    return {name: float(np.nanmax([state.get(name, np.nan) for state in states])) for name in states[-1]}

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from mpi4py import MPI
 
-from ..fem.body import HalfPlane, Y
+from ..fem.body import ElasticBody, Y
 from .history import Entry
 
 
@@ -46,7 +46,7 @@ class EnergyMeter:
     Every rank calls ``read`` with the entry whose fields are on the body.
     """
 
-    def __init__(self, body: HalfPlane):
+    def __init__(self, body: ElasticBody):
         self.body = body
         self.steps: list[EnergyStep] = []
         self._before = None
@@ -60,10 +60,9 @@ class EnergyMeter:
         force = body.stiffness.createVecLeft()
         body.stiffness.mult(u, force)
         far = body.fixed_dofs[body.fixed_dofs < u.local_size]
-        sides = 2.0 if body.is_half else 1.0
         now = {
-            "stored": sides * u.dot(force) / 2,
-            "boundary": (sides * force.array_r[far], u.array_r[far].copy()),
+            "stored": body.symmetry_factor * u.dot(force) / 2,
+            "boundary": (body.symmetry_factor * force.array_r[far], u.array_r[far].copy()),
             "indenter": (np.array(load.load), surface.delta),
             "friction": (surface.weight * surface.traction, surface.relative_displacement),
             "gap": (surface.weight * surface.pressure, surface.u[Y] - surface.delta[Y]),

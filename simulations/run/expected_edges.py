@@ -4,11 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analytic import FrettingLoop, HalfPlaneContact, contact_edges
+from analytic import FrettingLoop, HalfPlaneContact, SpringPath, contact_edges
 
+from ..scene import Scene
 from ..scene.effects import Effects
 from ..scene.scaling import Scaled
-from ..scene.scene import Scene
 from .limits import expected_error, size_for
 
 NODES = 80  # of the half-plane solver: edges to a few 1e-3 of the half-width
@@ -22,7 +22,7 @@ def half_plane_solver(scene: Scene, scaled: Scaled, effects: Effects, nodes: int
     return HalfPlaneContact(
         scaled.kernel,
         scaled.indenter,
-        mu=scene["load.mu"] if scene.friction else 1.0,
+        mu=scene.mu if scene.friction else 1.0,
         coupling="coupling" in effects,
         friction_in_normal_stage="friction in normal stage" in effects,
         nodes=nodes,
@@ -65,11 +65,16 @@ def expected_edges(
 
     loads: (P, Q) of the programme, the first with Q = 0.
     """
-    if scene.has_closed_form:
-        a = scaled.contact.a
-        if loop is None:
+    if scene.contact_has_closed_form:
+        contact = scaled.contact
+        assert contact is not None  # contact_has_closed_form
+        a = contact.a
+        if loop is None and not scene.friction:
             return ExpectedEdges((a,))
-        shares = (0.5, 0.0, -0.5) if scene["mesh.edges"] == "states" else ()
+        if loop is None:
+            states = SpringPath(contact, scene.mu).run(loads)[::-1]
+            return ExpectedEdges(_several([e for s in states for e in (s.contact_half_width, s.stick_half_width)]))
+        shares = (0.5, 0.0, -0.5) if scene.mesh.edges == "states" else ()
         between = [loop.active_half_width(share * loop.Q_A, "unloading") for share in shares]
         return ExpectedEdges((loop.c, a, *between), stick_way=(loop.c, a))
     try:
@@ -82,19 +87,19 @@ def _rough_edges(scene, scaled, effects, loads):
     """Of a loop where it turns, of other programmes at every load, the last first."""
     solver = half_plane_solver(scene, scaled, effects, NODES)
     if scene.is_loop:
-        Q_A = scene["load.amplitude"] * solver.mu
+        Q_A = scene.load.amplitude * solver.mu
         first = solver.friction_in_normal_stage
         found = contact_edges(solver.kernel, solver.profile, 1.0, solver.mu, Q_A, solver.coupling, first, NODES)
         # the first loading's edges of stick lie inside the later ones, where nothing smooths what it left
         ends, way = [*found.contact, *found.stick, *found.stick_range.ravel()], np.abs(found.contact_range)
-        if scene["mesh.edges"] == "states":
+        if scene.mesh.edges == "states":
             ends += [*found.contact_states.ravel(), *found.stick_states.ravel()]
         edges = _several(ends)
         return ExpectedEdges(
             edges,
             contact_way=(float(way.min()), float(way.max())),
             stick_way=(min(edges), float(way.max())),
-            first=1 / scene["solver.normal_increments"] if first else None,
+            first=1 / scene.solver.normal_increments if first else None,
         )
     states = solver.run(loads)[::-1]
     return ExpectedEdges(_several([edge for state in states for edge in (*state.contact, *state.stick)]))

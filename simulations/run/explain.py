@@ -8,7 +8,7 @@ TERMS = {X: "tangential traction", Y: "contact pressure"}
 
 def explain(simulation: Simulation) -> str:
     """The effects with their reasons and what is left out, then the sizes of the problem."""
-    body, solver = simulation.body, simulation.scene["solver.method"]
+    body, solver = simulation.body, simulation.scene.solver.method
     problems = [simulation.solver.normal, simulation.solver.frictional]
     lines = [str(simulation.effects), f"{'unknowns':26s} {body.unknowns}"]
     for stage, problem in zip(("normal stage", "tangential stage"), problems):

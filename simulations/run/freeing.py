@@ -11,13 +11,13 @@ import weakref
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from ..fem.body import HalfPlane
+from ..fem.body import ElasticBody
 
-_made: "weakref.WeakSet[HalfPlane]" = weakref.WeakSet()
+_made: "weakref.WeakSet[ElasticBody]" = weakref.WeakSet()
 _shared: list[tuple[weakref.ref, PETSc.Comm]] = []  # by several ranks, with PETSc's communicator of each
 
 
-def later(body: HalfPlane):
+def later(body: ElasticBody):
     """Free this body by ``earlier`` once it is not used any more. Collective."""
     _made.add(body)
     if body.mesh.comm.size > 1:

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..fem.surface import SurfaceState, contact_edges, stick_edges
+from ..fem.surface import SurfaceState, fitted_contact_edges, fitted_stick_edges
 from ..loading.schedule import Increment
 from ..loading.stepping import Outcome
 
@@ -60,10 +60,10 @@ class History:
     def append(self, outcome: Outcome, surface: SurfaceState, seconds: float) -> Entry:
         """Add the state that ``outcome`` ended with."""
         increment, s = outcome.increment, surface.relative_displacement
-        contact = contact_edges(surface, self.k)
+        contact = fitted_contact_edges(surface, self.k)
         stick, dissipated = contact, 0.0
         if self.friction and np.any(surface.traction):
-            stick = stick_edges(surface, self.mu, increment.direction, self.k)
+            stick = fitted_stick_edges(surface, self.mu, increment.direction, self.k)
         if self.entries:
             before = self.entries[-1]
             dissipated = before.dissipated + frictional_work(before.surface, surface)

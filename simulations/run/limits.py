@@ -5,10 +5,10 @@ Every limit is measured (docs/stability.md). All lengths are in contact half-wid
 
 from __future__ import annotations
 
-from math import ceil, floor, log10
+from math import ceil, expm1, floor, log, log10
 from typing import TYPE_CHECKING
 
-from ..scene.language import SceneError
+from ..scene import SceneError
 from ..solvers.newton import ATTAINABLE, FORCE_TOLERANCE, ROUND_OFF
 
 if TYPE_CHECKING:
@@ -16,18 +16,20 @@ if TYPE_CHECKING:
 
     from ..fem.contact_problem import ContactProblem
     from ..fem.mesh import Grading
-    from ..scene.scene import Scene
+    from ..scene import Scene
 
 MOST_UNKNOWNS = 1_000_000  # some minutes, and 3 GB in the factorisation
 MOST_MATRIX = 4.0  # GB in the dense matrices of the condensed method
 NARROWEST = 3.0  # slip zone over edge_facet: there the energy is off by 5 %, with 1 by 30 %, with 0.2 by 180 %
 STEEPEST = 0.1  # estimated relative error of the traction from its steep ends alone
+LOWEST = 0.05  # the first layer's lowest Gauss point, over its height: 0.07 and more
+SMALLEST = -300.0  # decimal logarithm of the smallest ordinary number is -307.7
 STABLE_GAMMA0 = 0.3  # below it Newton chatters (0.2 at k = 0) or fails (0.1 at k = 0.3), unless theta = -1
 
 
 def check_parameters(scene: Scene):
     """SceneError for Nitsche's parameters with which the contact terms are not stable."""
-    gamma0, theta = scene["solver.gamma0"], scene["solver.theta"]
+    gamma0, theta = scene.solver.gamma0, scene.solver.theta
     if gamma0 < STABLE_GAMMA0 and theta > -1:
         raise SceneError(
             f"solver.gamma0 = {gamma0:g} is not allowed with theta = {theta:g}: the contact terms are stable from "
@@ -35,9 +37,26 @@ def check_parameters(scene: Scene):
         )
 
 
+def check_depth(scene: Scene, cells: Grading):
+    """SceneError for k so close to 1 that dy/ds = s^(k/(1-k))/(1-k), for the mesh depth s, underflows."""
+
+    def underflows(k):
+        first = (cells.first_layer / (cells.layer_growth - 1)) ** (1 - k) * expm1((1 - k) * log(cells.layer_growth))
+        return k / (1 - k) * log10(LOWEST * first) < SMALLEST
+
+    allowed = scene.k
+    while allowed > 0 and underflows(allowed):
+        allowed = (ceil(200 * allowed) - 1) / 200
+    if allowed < scene.k:
+        raise SceneError(
+            f"solid.k = {scene.k!r} is too close to 1: dy/ds of the mesh depth s = y^(1-k) underflows in the first "
+            f"layer; {allowed:g} or less is possible with this mesh.first_layer and mesh.layer_growth"
+        )
+
+
 def check_size(scene: Scene, cells: Grading, columns: int, layers: int):
     """SceneError for meshes, of so many cells along x and into the depth, that no ordinary machine holds."""
-    degree = scene["mesh.degree"]
+    degree = scene.mesh.degree
     unknowns = 2 * (degree * columns + 1) * (degree * layers + 1)
     keys = "mesh.facet, mesh.edge_facet, mesh.growth, mesh.first_layer, mesh.layer_growth, mesh.extent, mesh.degree"
     if unknowns > MOST_UNKNOWNS:
@@ -45,7 +64,7 @@ def check_size(scene: Scene, cells: Grading, columns: int, layers: int):
             f"the mesh is too fine: {columns} x {layers} cells are {unknowns:.2g} unknowns, the limit is "
             f"{MOST_UNKNOWNS:.0e} ({keys})"
         )
-    if scene["solver.method"] == "condensed":
+    if scene.solver.method == "condensed":
         nodes = degree * min(columns, 2 * cells.strip / min(cells.facet, cells.edge_facet))
         # response of the strip; the dense Jacobian, its factors and the rows of it that are kept
         size = 8e-9 * nodes * (12 * nodes + 16 * nodes)
@@ -67,7 +86,7 @@ def check_resolution(scene: Scene, cells: Grading, loop: FrettingLoop | None):
         if slip < NARROWEST * facet:
             raise SceneError(
                 f"mesh.edge_facet = {cells.edge_facet:g} is too coarse: the slip zone is {slip:.2g} a wide at "
-                f"load.amplitude = {scene['load.amplitude']:g} and needs {_digit(slip / NARROWEST):g} or less"
+                f"load.amplitude = {scene.load.amplitude:g} and needs {_digit(slip / NARROWEST):g} or less"
             )
     if scene.k >= 0:
         return
@@ -98,12 +117,12 @@ def check_round_off(scene: Scene, cells: Grading, problem: ContactProblem):
 
     Displacements are of order one, in P/E(a).
     """
-    attainable = ROUND_OFF * problem.force_per_digit
+    attainable = ROUND_OFF * problem.terms.force_per_digit
     if attainable > ATTAINABLE:
         thicker = cells.first_layer * (attainable / ATTAINABLE) ** (1 / (1 - min(scene.k, 0.0)))
         raise SceneError(
             f"mesh.first_layer = {cells.first_layer:g} is too thin for k = {scene.k:g} and solver.gamma0 = "
-            f"{scene['solver.gamma0']:g}: round-off would leave forces of {attainable:.0e} P unbalanced "
+            f"{scene.solver.gamma0:g}: round-off would leave forces of {attainable:.0e} P unbalanced "
             f"({FORCE_TOLERANCE:.0e} is the aim); {_digit(thicker, up=True):g} or more would do"
         )
 

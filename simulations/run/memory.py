@@ -19,14 +19,14 @@ def save(solver: LoadProgramme, numbering: Numbering) -> dict[str, np.ndarray] |
     memory = {"delta": body.delta.value.copy(), "forces": solver.system.last_forces()}
     memory["state"] = numbering.gather(body.state.x.array)
     if problem.friction:
-        memory["anchor"] = numbering.gather_points(problem.anchor.x.array)
-        memory["at rest"] = numbering.gather_points(problem.at_rest.x.array)
+        memory["anchor"] = numbering.gather_points(problem.memory.anchor.x.array)
+        memory["at rest"] = numbering.gather_points(problem.memory.at_rest.x.array)
     if problem is not solver.normal and Y not in problem.directions:
-        state, pressure, forces = problem.held()
-        at_nodes = np.zeros_like(state.x.array)
-        at_nodes[body.dofs[: body.owned_nodes, Y]] = forces
-        memory["held state"] = numbering.gather(state.x.array)
-        memory["held pressure"] = numbering.gather_points(pressure.x.array)
+        held = problem.held
+        at_nodes = np.zeros_like(held.state.x.array)
+        at_nodes[body.dofs[: body.owned_nodes, Y]] = held.forces
+        memory["held state"] = numbering.gather(held.state.x.array)
+        memory["held pressure"] = numbering.gather_points(held.pressure.x.array)
         memory["held forces"] = numbering.gather(at_nodes)
         memory["normal forces"] = solver.normal_system.last_forces()
     return memory if body.mesh.comm.rank == 0 else None
@@ -37,16 +37,18 @@ def restore(memory: dict[str, np.ndarray], solver: LoadProgramme, numbering: Num
     body, problem = solver.body, solver.problem
     body.delta.value[:] = memory["delta"]
     if problem.friction:
-        numbering.scatter_points(memory["anchor"], problem.anchor.x.array)
-        numbering.scatter_points(memory["at rest"], problem.at_rest.x.array)
+        fields = problem.memory.save()
+        numbering.scatter_points(memory["anchor"], fields[0])
+        numbering.scatter_points(memory["at rest"], fields[1])
+        problem.memory.restore(fields)
     if problem is not solver.normal and Y not in problem.directions:
-        state, pressure, _ = problem.held()
-        at_nodes = np.zeros_like(state.x.array)
+        state, at_nodes = np.zeros_like(body.state.x.array), np.zeros_like(body.state.x.array)
+        pressure = np.zeros_like(problem.held.pressure.x.array)
         numbering.scatter(memory["held forces"], at_nodes)
-        problem.held_forces = at_nodes[body.dofs[: body.owned_nodes, Y]]
-        numbering.scatter_points(memory["held pressure"], pressure.x.array)
-        numbering.scatter(memory["held state"], state.x.array)
-        body.state.x.array[:] = state.x.array
+        numbering.scatter_points(memory["held pressure"], pressure)
+        numbering.scatter(memory["held state"], state)
+        problem.held.restore(state, pressure, at_nodes[body.dofs[: body.owned_nodes, Y]])
+        body.state.x.array[:] = state
         solver.normal_system.take_up(memory["normal forces"])
     numbering.scatter(memory["state"], body.state.x.array)
     solver.system.take_up(memory["forces"])

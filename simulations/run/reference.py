@@ -1,28 +1,19 @@
-"""What a run is measured against: the closed forms, or the mesh-free half-plane solver for everything else.
+"""What a run is measured against: closed forms where they are exact, the mesh-free solver for everything else.
 
-A reference answers for the states of a history; dimensionless, like the history.
+A reference answers for the states of a history; dimensionless, like the history. It shares neither the mesh nor the
+load steps of the run.
 """
 
-from collections.abc import Callable
 from typing import Protocol
 
 import numpy as np
-from analytic.half_plane.state import ContactState
 
-from analytic import CylinderContact, FrettingLoop, ProfileContact
-
-from ..scene import effects
-from .expected_edges import half_plane_solver
 from .history import Entry, History
+from .mesh_free import MeshFree, NoReference, Tell
 from .simulation import Simulation
+from .springs import Springs
 
-Tell = Callable[[int, int], None]
-ROUGH_TIMES, ROUGH_INCREMENTS = 10.0, 20  # of an increment over one of the rough edges' of a loop, which makes so many
-NODES = (400, 300)  # of the half-plane solver; the next number is tried where one does not converge
-
-
-class NoReference(RuntimeError):
-    """The half-plane solver could not do what the finite elements did; the message says why."""
+ROUGH_TIMES, ROUGH_INCREMENTS = 20.0, 20  # of an increment over one of the rough edges' of a loop, which makes so many
 
 
 class Reference(Protocol):
@@ -49,128 +40,23 @@ class Reference(Protocol):
         """As ``History.dissipated_energy``; None where unknown."""
 
 
-class ClosedForm:
-    """The closed forms (44), [X4], [X5], which neglect coupling."""
-
-    def __init__(self, normal: CylinderContact | ProfileContact, loop: FrettingLoop | None, cycles: int):
-        self.normal, self.loop, self._cycles = normal, loop, cycles
-        self.name = "closed form"
-
-    def pressure(self, entry, x):
-        """Of the largest load."""
-        return self.normal.pressure(x)
-
-    def traction(self, entry, x):
-        """[X5]."""
-        return self.loop.traction(x, Q=entry.increment.Q, branch=entry.increment.branch)
-
-    def slip(self, entry, x):
-        """[X5]; the closed form's slip is that of the indenter on the half-plane."""
-        return -self.loop.slip(x, Q=entry.increment.Q, branch=entry.increment.branch)
-
-    def contact(self, entry):
-        """(43)."""
-        return -self.normal.a, self.normal.a
-
-    def stick_half_width(self, entry):
-        """(48) at ±Q_A; the zone that has stuck since the last turn on the way, [X5]."""
-        return self.loop.active_half_width(entry.increment.Q, entry.increment.branch)
-
-    def dissipated_energy(self):
-        """[X4] for a cycle."""
-        return self.loop.dissipated_energy if self._cycles else None
-
-
-class HalfPlane:
-    """States of the half-plane solver at the increments of a simulation; NoReference where it fails."""
-
-    name = "mesh-free half-plane solver"
-    nodes: int  # that it converged with
-
-    def __init__(self, simulation: Simulation, tell: Tell | None = None):
-        """tell: called with the number of increments done and that of all, after each."""
-        loads = [(increment.P, increment.Q) for increment in simulation.programme]
-        failure = None
-        for nodes in NODES:
-            try:
-                solver = half_plane_solver(simulation.scene, simulation.scaled, simulation.effects, nodes)
-                states = []
-                for state in solver.increments(loads):
-                    states.append(state)
-                    if tell:
-                        tell(len(states), len(loads))
-                self.nodes = nodes
-                break
-            except (RuntimeError, ValueError) as reason:
-                failure = failure or reason  # the one of the finest nodes is told
-        else:
-            raise NoReference(str(failure))
-        self._history, self._states = simulation.history, states
-
-    def _at(self, entry: Entry) -> ContactState:
-        return self._states[entry.number]
-
-    def _interpolated(self, entry, name, x):
-        state = self._at(entry)
-        return np.interp(x, state.x, getattr(state, name), left=0.0, right=0.0)
-
-    def pressure(self, entry, x):
-        """p."""
-        return self._interpolated(entry, "pressure", x)
-
-    def traction(self, entry, x):
-        """q."""
-        return self._interpolated(entry, "traction", x)
-
-    def slip(self, entry, x):
-        """Slip."""
-        return self._interpolated(entry, "slip", x)
-
-    def contact(self, entry):
-        """Edges of the contact."""
-        return self._at(entry).contact
-
-    def stick_half_width(self, entry):
-        """Half the length of the longest stick zone."""
-        left, right = self._at(entry).stick
-        return (right - left) / 2
-
-    def dissipated_energy(self):
-        """As in the history."""
-        history = self._history
-        energy = self._states[len(history.entries) - 1].dissipated_energy
-        if history.has_cycle:
-            energy -= self._states[len(history.entries) - len(history.last_cycle) - 1].dissipated_energy
-        return energy
-
-
-def closed_form(simulation: Simulation) -> ClosedForm | None:
+def closed_form(simulation: Simulation) -> Springs | None:
     """The closed forms of a simulation, whether they describe its physics or neglect some; None without any."""
-    scene = simulation.scene
-    if simulation.contact is None or (scene.friction and not scene.is_loop):
+    if simulation.contact is None:
         return None
-    return ClosedForm(simulation.contact, simulation.loop, scene.values.get("load.cycles", 0))
-
-
-def foreign_effects(simulation: Simulation) -> list[str]:
-    """Effects of a simulation that change its physics and that no reference knows.
-
-    An effect says so by ``keeps_reference``; one that does not say is foreign where it adds a term to the virtual work.
-    """
-    on = (effect for effect in effects.ALL if effect.name in simulation.effects)
-    return [effect.name for effect in on if not getattr(effect, "keeps_reference", effect.work is None)]
+    return Springs(simulation.contact, simulation.mu, simulation.programme)
 
 
 def neglected(simulation: Simulation) -> list[str]:
     """Effects of a simulation that its closed form, where there is one, leaves out."""
-    coupled = "coupling" in simulation.effects and not simulation.scene.has_closed_form
-    return ["coupling"] * coupled + foreign_effects(simulation)
+    coupled = "coupling" in simulation.effects and not simulation.scene.contact_has_closed_form
+    return ["coupling"] * coupled + simulation.effects.without_reference
 
 
 def expected_seconds(simulation: Simulation) -> float:
     """What ``of_same_physics`` may take, from what the rough edges of the mesh took; 0 for a closed form."""
-    kind = simulation.scene["reference.kind"]
-    if kind == "none" or (simulation.scene.has_closed_form and kind != "half-plane"):
+    kind = simulation.scene.reference.kind
+    if kind == "none" or (simulation.effects.has_closed_form and kind != "half-plane"):
         return 0.0
     shares = len(simulation.programme) / (ROUGH_INCREMENTS if simulation.scene.is_loop else len(simulation.programme))
     return ROUGH_TIMES * shares * simulation.watch.seconds.get("edges", 0.0)
@@ -178,27 +64,26 @@ def expected_seconds(simulation: Simulation) -> float:
 
 def of_same_physics(simulation: Simulation, tell: Tell | None = None) -> Reference:
     """The reference that ``reference.kind`` asks for, "auto": closed form where exact; NoReference says why none."""
-    kind, scene = simulation.scene["reference.kind"], simulation.scene
+    kind, foreign = simulation.scene.reference.kind, simulation.effects.without_reference
     if kind == "none":
         raise NoReference("reference.kind = none")
-    foreign = foreign_effects(simulation)
     if foreign:
-        raise NoReference(f"none knows the {' and the '.join(foreign)} of this run")
-    if scene.has_closed_form and kind != "half-plane":
+        raise NoReference(f"no reference describes {' and '.join(foreign)}")
+    if simulation.effects.has_closed_form and kind != "half-plane":
         exact = closed_form(simulation)
         assert exact is not None  # has_closed_form
         return exact
     if kind == "closed form":
         raise NoReference("there is no closed form of this problem, and reference.kind = closed form")
-    return HalfPlane(simulation, tell)
+    return MeshFree(simulation, tell)
 
 
 def describe(reference: Reference, simulation: Simulation) -> str:
     """The reference in words: why it has the same physics."""
     scene = simulation.scene
-    if not isinstance(reference, ClosedForm):
+    if not isinstance(reference, Springs):
         friction = "the same friction" if scene.friction else "no friction"
-        nodes = f" of {reference.nodes} nodes" if isinstance(reference, HalfPlane) else ""
+        nodes = f" of {reference.nodes} nodes" if isinstance(reference, MeshFree) else ""
         return f"{reference.name}{nodes} with {friction}{' and coupling' if 'coupling' in simulation.effects else ''}"
     if not scene.friction:
         return "closed form of the frictionless contact"
@@ -208,7 +93,7 @@ def describe(reference: Reference, simulation: Simulation) -> str:
 
 
 def all_states(history: History) -> list[Entry]:
-    """Entries with a tangential load, of the last cycle where there is one."""
+    """Entries of the last cycle; where there is none those with a tangential load; without friction all."""
     if history.has_cycle:
         return history.last_cycle
-    return [entry for entry in history.entries if entry.increment.branch != "normal"]
+    return [e for e in history.entries if e.increment.branch != "normal" or not history.friction] or history.entries

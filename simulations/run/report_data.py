@@ -14,14 +14,14 @@ class Comparison:
     """A run beside another solution under the same loads.
 
     values: the other's ``a`` [m], ``peak_pressure`` [Pa], ``c_over_a``, ``dissipated_energy`` [J/m], where it has them;
-    deviations: relative, of these and of the fields; worst: the largest of the fields' over the last cycle.
+    deviations: relative, of these and of the last state's fields; worst: the largest of the fields' over all states.
     """
 
     other: reference.Reference
     words: str
     values: dict[str, float]
     deviations: dict[str, float]
-    worst: dict[str, float] | None
+    worst: dict[str, float]
     without: tuple[str, ...] = ()  # effects that the other leaves out
 
 
@@ -54,7 +54,7 @@ def find(simulation: Simulation, tell: reference.Tell | None = None) -> Findings
         except reference.NoReference as reason:
             why_none = f"none: {reason}"
         neglecting, neglected = None, reference.neglected(simulation)
-        closed = reference.closed_form(simulation) if neglected and scene["reference.kind"] != "none" else None
+        closed = reference.closed_form(simulation) if neglected and scene.reference.kind != "none" else None
         if closed:
             words = f"closed form, which neglects the {' and the '.join(neglected)} of this run: another problem"
             neglecting = _compare(simulation, closed, words, tuple(neglected))
@@ -67,7 +67,7 @@ def summary(simulation: Simulation, findings: Findings | None, failure: str | No
     """Everything for summary.json but the versions. findings: of a run that reached its end; else ``failure``."""
     history, watch = simulation.history, simulation.watch
     found = {
-        "title": simulation.scene["title"],
+        "title": simulation.scene.title,
         "converged": findings is not None,
         "checks_hold": None if findings is None else checks.hold(findings.checks),
         "failure": failure,
@@ -116,8 +116,7 @@ def failing(findings: Findings) -> str:
 def _deviations(kind: str, beside: Comparison | None) -> dict:
     if beside is None:
         return {}
-    worst = {f"{kind}_worst_in_cycle": beside.worst} if beside.worst else {}
-    return {kind: beside.deviations} | worst
+    return {kind: beside.deviations, f"{kind}_worst_state": beside.worst}
 
 
 def _compare(simulation: Simulation, other: reference.Reference, words: str, without=()) -> Comparison:
@@ -135,5 +134,4 @@ def _compare(simulation: Simulation, other: reference.Reference, words: str, wit
         assert energy is not None  # compare has divided by it
         values["dissipated_energy"] = energy * scales.energy
     deviations |= {name: mine[name] / value - 1 for name, value in values.items() if name not in deviations}
-    worst = comparison.worst(history, other) if history.has_cycle else None
-    return Comparison(other, words, values, deviations, worst, without)
+    return Comparison(other, words, values, deviations, comparison.worst(history, other), without)

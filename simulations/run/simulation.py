@@ -5,83 +5,35 @@ from functools import cached_property
 
 from analytic import GradedHalfPlane, point_force_displacement
 
-from ..fem.body import HalfPlane, X, Y
+from ..fem.body import ElasticBody, X, Y
 from ..fem.contact_problem import ContactProblem, Nitsche
-from ..fem.mesh import Grading, columns, half_plane, layers
+from ..fem.mesh import Grading, columns, create_mesh, layers
 from ..fem.numbering import Numbering
 from ..fem.parallel import on_root
 from ..fem.surface import SurfaceSampler
-from ..loading.schedule import pressing, rocking, visiting
 from ..loading.stepping import LoadProgramme, SolveError
-from ..scene.effects import Effects
-from ..scene.scaling import Scaled
-from ..scene.scene import Scene
-from ..solvers.condensed.compliance import Compliance
+from ..scene import Scene
+from ..solvers.condensed.surface_compliance import SurfaceCompliance
 from ..solvers.condensed.system import CondensedSystem
 from ..solvers.full import FullSystem
+from ..solvers.newton import FORCE_TOLERANCE
 from . import freeing
-from .expected_edges import expected_edges
 from .history import Entry, History
-from .limits import check_parameters, check_resolution, check_round_off, check_size
-from .reuse import reuse_reason
+from .limits import check_depth, check_parameters, check_resolution, check_round_off, check_size
+from .plan import Plan
+from .reuse import Meshed, why_not
 from .timing import Stopwatch
 
-# The far field is known less well where a coating is not in it, or where coupling moves the contact aside and with it
-# the line on which P acts (k = -0.5: 8 % of a, which costs 8e-3 in p at 20 a): it is prescribed that much further away.
-FARTHER = 5.0
+# The far field that vanishes at infinity is a rigid translation of order 1/k and little else where k > 0 is small: its
+# last digits would be contact forces. Below this k the field is measured from the depth of the domain, as for k <= 0.
+SMALLEST_K_AT_INFINITY = 0.01
 
 
-class Plan:
-    """What a scene asks for, in scaled units, before anything is meshed.
-
-    ``contact`` and ``loop`` are the closed forms, None where there are none; ``watch`` has the seconds spent in each
-    phase.
-    """
-
-    def __init__(self, scene: Scene, watch: Stopwatch):
-        self.scene, self.effects, self.watch = scene, Effects(scene), watch
-        self.scaled = Scaled.of(scene)
-        self.contact, self.mu = self.scaled.contact, scene["load.mu"] if scene.friction else 0.0
-        self.loop = None
-        if scene.is_loop and self.contact:
-            self.loop = self.contact.fretting(mu=self.mu, z=1.0 - scene["load.amplitude"])
-        self.programme = self._programme()
-
-    def grading(self) -> Grading:
-        """Cell sizes of the scene, graded to where contact and stick zone are expected to end."""
-        scene = self.scene
-        loads = [(increment.P, increment.Q) for increment in self.programme]
-        with self.watch("edges"):
-            found = expected_edges(scene, self.scaled, self.loop, self.effects, loads)
-        sizes = scene.cell_sizes
-        if not scene.is_power_law:
-            sizes["extent"] *= FARTHER * max(1.0, self.scaled.modulus.thickness)
-        elif "coupling" in self.effects and not scene.is_decoupled:
-            sizes["extent"] *= FARTHER
-        edges = {*found.edges, *(-e for e in found.edges)}
-        sweeps = found.sweeps(scene.k, sizes["facet"], sizes["edge_facet"])
-        return Grading(edges=tuple(sorted(edges)), sweeps=sweeps, **sizes)
-
-    def _programme(self):
-        scene = self.scene
-        steps = scene["solver.normal_increments"] if "friction in normal stage" in self.effects else 1
-        if "load.points" in scene.values:
-            points = [(P / scene.P, Q / scene.P) for P, Q in scene["load.points"]]
-            first, *rest = points
-            return pressing(first[0], steps) + visiting(first, rest, scene["solver.increments"])
-        if not scene.friction:
-            return pressing(1.0)
-        Q_A = scene["load.amplitude"] * self.mu
-        return pressing(1.0, steps) + rocking(1.0, Q_A, scene["load.cycles"], scene["solver.increments"])
-
-
-class Simulation(Plan):
+class Simulation(Meshed):
     """A scene on a communicator, ready to run.
 
     ``history`` grows by one entry an increment while ``run`` is iterated; ``body`` then carries that entry's fields.
     """
-
-    planned = staticmethod(lambda scene: Plan(scene, Stopwatch()))
 
     def __init__(
         self,
@@ -90,37 +42,41 @@ class Simulation(Plan):
         cells: Grading | None = None,
         like: "Simulation | None" = None,
         watch: Stopwatch | None = None,
+        tolerance: float = FORCE_TOLERANCE,
     ):
         """cells: of the mesh, where they are not those of the scene; like: a simulation of the same solid, whose
-        mesh, stiffness and compliance this one takes over where they do (``reuse_reason``), whatever its loads, friction
-        and cylinder: it then ends that one; watch: what measures the phases.
+        mesh, stiffness and compliance this one takes over where they do (``reuse.why_not``), whatever its loads,
+        friction and cylinder: it then ends that one; watch: what measures the phases; tolerance: Newton's, of forces
+        and loads over P.
         """
         super().__init__(scene, watch or Stopwatch())
+        self.mesh_of = like.mesh_of if like else None if cells else self.graded_for  # what the mesh was graded for
         check_parameters(scene)
         if like is None:
             freeing.earlier(comm)
             with self.watch("mesh"):
                 self.cells = cells or on_root(comm, self.grading)
                 check_resolution(scene, self.cells, self.loop)
+                check_depth(scene, self.cells)
                 self.ordinates = self._ordinates()
                 check_size(scene, self.cells, *(len(nodes) - 1 for nodes in self.ordinates))
-                mesh, facets = half_plane(comm, *self.ordinates)
+                mesh, facets = create_mesh(comm, *self.ordinates)
         with self.watch("forms"):  # compiles them the first time
             if like is None:
                 self.body = self._body(mesh, facets)
                 freeing.later(self.body)
             else:
                 self._take_over(like)
-            nitsche = Nitsche(scene["solver.gamma0"], scene["solver.theta"])
+            nitsche = Nitsche(scene.solver.gamma0, scene.solver.theta)
             indenter = self.scaled.indenter
             normal = ContactProblem(self.body, indenter.height, nitsche, (Y,))
             check_round_off(scene, self.cells, normal)
             frictional = None
             if scene.friction:
                 directions = (X, Y) if "coupling" in self.effects else (X,)
-                frictional = ContactProblem(self.body, indenter.height, nitsche, directions)
+                frictional = ContactProblem(self.body, indenter.height, nitsche, directions, self.mu)
         self.solver = LoadProgramme(
-            normal, frictional, self._system, self.mu, "friction in normal stage" in self.effects
+            normal, frictional, self._system, "friction in normal stage" in self.effects, tolerance
         )
         self.body.delta.value[Y] = indenter.height(1.0)  # overlap on |x| < a: where Newton starts
         self.sampler = SurfaceSampler(self.body, normal, scene.friction and "coupling" not in self.effects)
@@ -137,26 +93,26 @@ class Simulation(Plan):
 
     def _body(self, mesh, facets):
         scene = self.scene
-        return HalfPlane(
+        return ElasticBody(
             mesh,
             facets,
             self.scaled.modulus,
-            scene["solid.nu"],
+            scene.solid.nu,
             self._far_field(),
             self.cells.strip,
             "incompressibility" in self.effects,
             self.effects.works(scene, self.scaled.scales),
-            scene["mesh.degree"],
+            scene.mesh.degree,
         )
 
     def _take_over(self, other: "Simulation"):
         """The body of ``other``, at rest; ValueError where this scene cannot be run on it."""
-        reason = reuse_reason(other, self.scene)
+        reason = why_not(other, self)
         if reason:
             raise ValueError(f"the body cannot be taken over: {reason}")
         self.cells, self.ordinates, self.body = other.cells, other.ordinates, other.body
         self.body.reset()
-        if other.scene["solver.method"] == "condensed":
+        if other.scene.solver.method == "condensed":
             self._compliance = other._compliance
 
     def run(self) -> Iterator[Entry]:
@@ -190,13 +146,13 @@ class Simulation(Plan):
         return Numbering(self.body, *self.ordinates)
 
     def _system(self, problem):
-        if self.scene["solver.method"] == "full":
+        if self.scene.solver.method == "full":
             return FullSystem(problem)
         return CondensedSystem(problem, self._compliance)
 
     @cached_property
     def _compliance(self):
-        return Compliance(self.body)
+        return SurfaceCompliance(self.body)
 
     def _far_field(self):
         """Displacement of line loads: far away a coating is not seen."""
@@ -204,7 +160,7 @@ class Simulation(Plan):
         if not self.scene.is_power_law:
             below = self.scaled.modulus.young(extent)
             solid = GradedHalfPlane(E0=float(below), nu=solid.nu, k=0.0, y0=1.0)
-        fixed_depth = None if solid.k > 0 else extent
+        fixed_depth = None if solid.k >= SMALLEST_K_AT_INFINITY else extent
 
         def displacement(x, y, **load):
             return point_force_displacement(solid, x, y, fixed_depth=fixed_depth, **load)
@@ -218,6 +174,11 @@ def failure_in_si(simulation: Simulation, reason) -> str:
     increment = simulation.programme[number]
     Q, P = getattr(reason, "load", None) or increment.load
     loads = f"P = {P * unit:.4g} N/m, Q = {Q * unit:.4g} N/m"
-    keys = ", ".join(f"{k} = {scene[k]:g}" for k in ("load.P", "load.amplitude", "load.mu") if k in scene.values)
+    keys = ", ".join(f"load.{name} = {value:g}" for name, value in scene.load if name in ("P", "amplitude", "mu"))
     place = f"increment {number + 1} of {len(simulation.programme)}, {increment.branch}"
     return f"{loads} ({place}; {keys or 'load.points'}): {reason}"
+
+
+def reuse_reason(previous: Simulation, scene: Scene) -> str | None:
+    """Why the body of ``previous`` does not do for ``scene`` (``like`` of a Simulation); None where it does."""
+    return why_not(previous, Plan(scene, Stopwatch()))

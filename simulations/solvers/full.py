@@ -22,7 +22,7 @@ class FullSystem:
         self._rigid = list(problem.directions)
         self._comm = problem.body.mesh.comm
         self._load = (0.0, 0.0)
-        self.jacobian = problem.create_matrix()
+        self.jacobian = problem.terms.create_matrix()
         self._ksp = bulk_solver(self.jacobian, "lu")
 
     def create_vector(self) -> PETSc.Vec:
@@ -40,15 +40,15 @@ class FullSystem:
     def residual(self, x, f) -> tuple[float, float]:
         """Fill ``f``; return the norm of the force residual and the largest load imbalance."""
         self.finish(x)
-        force, imbalance = self.problem.residual(self._load)
+        force, imbalance = self.problem.terms.residual(self._load)
         self._join(force, imbalance, f)
         return force.norm(), float(np.abs(imbalance).max())
 
     def linearise(self, x):
         """Assemble and factorise J; eliminate the displacements from the rigid equations."""
         self.finish(x)
-        self.problem.assemble_jacobian(self.jacobian)
-        columns, self._rows, self._corner = self.problem.borders()
+        self.problem.terms.assemble_jacobian(self.jacobian)
+        columns, self._rows, self._corner = self.problem.terms.borders()
         self._responses = [self._bulk_solve(column) for column in columns]
         self._columns = columns
         self._schur = self._corner - np.array([[row.dot(z) for z in self._responses] for row in self._rows])

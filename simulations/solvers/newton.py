@@ -28,9 +28,8 @@ BULK_OPTIONS = {
     "mat_mumps_icntl_14": 60,  # working space, per cent
 }
 BULK_PREFIX = "fretting_bulk_"
-FORCE_TOLERANCE = 1e-9  # force residual / P, where round-off lets it get there
+FORCE_TOLERANCE = 1e-9  # force residual and load imbalance / P, where round-off lets them get there
 ROUND_OFF = 4.0  # residuals are balanced this many times above the last digits' own, measured for k from -0.9 to 0
-LOAD_TOLERANCE = 1e-9  # load imbalance / P
 SETTLED = 1e-11  # force residual / P above which a balanced state gets one more step: what is left of a long first one
 ROUNDS = 3  # the same change of contact states as often as this is a cycle (twice may be luck near a singular tangent)
 STEP_TOLERANCE = 1e-11  # a step this small (relative) ends the iteration if round-off holds the residual up ...
@@ -135,10 +134,10 @@ def _weakly(method):
 
 
 class Newton:
-    """Solves a System for given line loads, from its present state."""
+    """Solves a System for given line loads, from its present state; tolerance: of forces and loads, over P."""
 
-    def __init__(self, system: System, comm, prefix: str = "fretting_"):
-        self.system = system
+    def __init__(self, system: System, comm, prefix: str = "fretting_", tolerance: float = FORCE_TOLERANCE):
+        self.system, self._wanted = system, tolerance
         self.x, self._f = system.create_vector(), system.create_vector()
         shape = (self.x.getLocalSize(), None)
         jacobian = PETSc.Mat().createPython((shape, shape), _Operator(system), comm)
@@ -153,25 +152,24 @@ class Newton:
         with_defaults(prefix, SNES_OPTIONS, self.snes.setFromOptions)
         self._polished = False
         self._last_force = np.inf
-        self._scale, self._norms, self._tolerance = 1.0, (np.inf, np.inf), FORCE_TOLERANCE
+        self._scale, self._norms, self._tolerance = 1.0, (np.inf, np.inf), tolerance
         self._states = None
         self._changes: list[int] = []
         self._seen: dict[bytes, int] = {}
         self.after_linearise = lambda: None  # called with the fields at the iterate
         self.after_residual = lambda: False  # likewise; True where it changed the problem, whose residual is renewed
 
-    def solve(self, load, predict=None, confirm=False) -> NewtonResult:
+    def solve(self, load, predict=False, confirm=False) -> NewtonResult:
         """Balance the line loads ``(Q, P)``, P > 0.
 
-        predict: a Constant that is 1 during one preliminary step (the all-stick predictor), or None; confirm: one more
-        iteration after the last, to see whether contact states still change.
+        predict: start with a step in which all points in contact stick; confirm: one more iteration after the last, to
+        see whether contact states still change.
         """
         self._polished = False
         self._begin(load)
-        if predict is not None:
-            predict.value = 1.0
-            self._step()
-            predict.value = 0.0
+        if predict:
+            with self.system.problem.safeguards.all_stick():
+                self._step()
         self._states, self._changes, self._seen = None, [], {}
         self.snes.solve(None, self.x)
         code = self.snes.getConvergedReason()
@@ -186,7 +184,7 @@ class Newton:
         self.system.finish(self.x)
         return NewtonResult(
             converged=code > 0 and max(self._norms) <= 10 * ATTAINABLE,  # whatever rule of PETSc's ended it
-            iterations=self.snes.getIterationNumber() + (predict is not None),
+            iterations=self.snes.getIterationNumber() + predict,
             residual=self._norms[0],
             imbalance=self._norms[1],
             reason=self._reason(code),
@@ -205,12 +203,12 @@ class Newton:
     def _begin(self, load):
         self._scale = abs(load[1])
         self.system.begin(load, self.x)
-        attainable = ROUND_OFF * self.system.problem.round_off() / self._scale
-        self._tolerance = min(max(FORCE_TOLERANCE, attainable), ATTAINABLE)
+        attainable = ROUND_OFF * self.system.problem.terms.round_off() / self._scale
+        self._tolerance = min(max(self._wanted, attainable), ATTAINABLE)
 
     def _balanced(self):
         force, imbalance = self._norms
-        return force <= self._tolerance and imbalance <= max(LOAD_TOLERANCE, self._tolerance)
+        return force <= self._tolerance and imbalance <= max(self._wanted, self._tolerance)
 
     def _step(self):
         step = self.x.duplicate()
@@ -232,7 +230,7 @@ class Newton:
 
     def _count_changes(self) -> bool:
         """Count the contact states that changed; True where they did the same ROUNDS times, and so will do again."""
-        states, before = self.system.problem.contact_states().astype(np.int8), self._states
+        states, before = self.system.problem.terms.contact_states().astype(np.int8), self._states
         self._states = states
         if before is None:
             return False
@@ -270,7 +268,7 @@ class Newton:
         at_rest = self._changes[-2:] == [0, 0] and force > before / 10
         if cycles:
             return reason.DIVERGED_INNER
-        if (small_step or at_rest) and force <= ATTAINABLE and imbalance <= 10 * LOAD_TOLERANCE:
+        if (small_step or at_rest) and force <= ATTAINABLE and imbalance <= 10 * self._wanted:
             return reason.CONVERGED_SNORM_RELATIVE
         if last:
             return reason.DIVERGED_MAX_IT

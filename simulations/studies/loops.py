@@ -4,10 +4,10 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from analytic.half_plane.linear import ContactNotConverged
-from analytic.half_plane.state import ContactState
 
 from analytic import GradedHalfPlane, HalfPlaneContact, PowerProfile
+from analytic.half_plane.linear import ContactNotConverged
+from analytic.half_plane.state import ContactState
 
 from ..loading.schedule import pressing, rocking
 

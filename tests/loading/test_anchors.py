@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from simulations.fem.contact_problem import BACKWARD, CLOSED, FORWARD, OPEN
+from forms.contact import BACKWARD, CLOSED, FORWARD, OPEN
 from simulations.loading.anchors import stops
 
 X = np.linspace(-1.05, 1.05, 43)  # spaced by 0.05

@@ -19,7 +19,7 @@ from conftest import MPI_ENVIRONMENT, ROOT, coarse_arguments, run_command
 
 from simulations import fretting, indentation
 from simulations.output import files as output
-from simulations.scene.language import SceneError
+from simulations.scene import SceneError
 
 SAME = 1e-10  # relative to the largest value: what an interruption may change
 QUANTITIES = ("pressure", "traction", "slip", "P", "Q")

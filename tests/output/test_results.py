@@ -12,7 +12,7 @@ from solving import of_the_closed_form
 
 from simulations import fretting
 from simulations.loading.stepping import LoadProgramme, SolveError
-from simulations.scene.scene import language, parse
+from simulations.scene import language, parse
 
 
 @pytest.fixture(scope="module")
@@ -45,9 +45,9 @@ def test_scene_is_resolved_and_can_be_run_again(default_run):
     text = (default_run / "scene.toml").read_text()
     assert "# dolfinx 0.9" in text
     scene = parse(text)
-    assert set(scene.values) <= set(language()) and "solid.y0_over_a0" not in scene.values
+    assert set(scene.to_keys()) <= set(language()) and "solid.y0_over_a0" not in scene.to_keys()
     assert parse(scene.to_toml()) == scene
-    assert scene["solid.y0"] == pytest.approx(10 * scene.a0, rel=1e-12)
+    assert scene.solid.y0 == pytest.approx(10 * scene.a0, rel=1e-12)
 
 
 def test_history(default_run, summary):
@@ -165,7 +165,7 @@ def test_failed_solve_says_why(tmp_path, ranks):
 
 def test_failed_solve_keeps_what_it_had(tmp_path, monkeypatch):
     """Without its cures Newton cycles in the middle of a strongly coupled loop; the states before that are kept."""
-    monkeypatch.setattr("simulations.run.simulation.expected_edges", of_the_closed_form)
+    monkeypatch.setattr("simulations.run.plan.expected_edges", of_the_closed_form)
     monkeypatch.setattr("simulations.loading.stepping.MAX_CUTS", 0)
     monkeypatch.setattr(LoadProgramme, "_guarded", LoadProgramme._fixed_point)
     mesh = {"mesh__facet": 0.05, "mesh__growth": 1.5, "mesh__edge_facet": 4e-3, "mesh__first_layer": 4e-3}

@@ -12,8 +12,7 @@ from solving import deviations
 
 from simulations.run import estimate
 from simulations.run.simulation import Simulation
-from simulations.scene.language import SceneError
-from simulations.scene.scene import DEFAULT_SCENE, accuracy, parse
+from simulations.scene import DEFAULT_SCENE, SceneError, accuracy, parse
 from simulations.studies.costs.cases import PROBLEMS, TABLE, cases
 from simulations.studies.costs.model import COARSE
 
@@ -84,7 +83,7 @@ def test_cell_sizes_are_not_given_twice():
     with pytest.raises(SceneError, match="not allowed beside solver.accuracy"):
         parse(DEFAULT_SCENE, ("solver.accuracy=1e-3", "mesh.facet=0.123"))
     scene = parse(DEFAULT_SCENE, ("solver.accuracy=1e-3",))
-    assert parse(scene.to_toml()).values == scene.values
+    assert parse(scene.to_toml()) == scene
 
 
 def test_the_table_covers_the_study():

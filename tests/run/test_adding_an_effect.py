@@ -8,13 +8,15 @@ import pytest
 from conftest import coarse_overrides
 from dolfinx.fem import petsc as fem_petsc
 from mpi4py import MPI
+from pydantic import Field
 from solving import coarse_simulation, solved
 
 from simulations.fem.body import X, Y
+from simulations.run.reference import NoReference, of_same_physics
 from simulations.run.simulation import Simulation
+from simulations.scene import DEFAULT_SCENE, effects, parse
 from simulations.scene.effects import Effect, Verdict
-from simulations.scene.language import Key
-from simulations.scene.scene import DEFAULT_SCENE, effects, parse
+from simulations.scene.fields import Number
 from simulations.solvers.newton import bulk_solver
 
 STIFFNESS = 2e14  # Pa/m
@@ -33,22 +35,29 @@ def spring_work(stiffness, u, v):
 
 def springs(scene):
     """On where they have a stiffness."""
-    stiffness = scene["effects.springs"]
+    stiffness = scene.effects.springs
     return Verdict(stiffness > 0, f"effects.springs = {stiffness:g}", "the surface is held")
 
 
 def spring_term(scene, scales):
     """The term of the virtual work, stiffness in Pa/m."""
-    stiffness = scene["effects.springs"] * scales.displacement / scales.stress
+    stiffness = scene.effects.springs * scales.displacement / scales.stress
     return lambda body, v: spring_work(body.constant(stiffness), body.u, v) * body.surface_measure
 
 
-ENTRY = Effect("springs", springs, {"effects.springs": Key(0.0, 1e30, 0.0, closed=(True, True))}, spring_term)
+ENTRY = Effect(
+    "springs",
+    springs,
+    keys={"springs": (Number, Field(0.0, ge=0, le=1e30, description="stiffness of springs on the surface, Pa/m"))},
+    work=spring_term,
+)
 
 
 @pytest.fixture
-def with_springs(monkeypatch):
-    monkeypatch.setattr(effects, "ALL", (*effects.ALL, ENTRY))
+def with_springs():
+    effects.add(ENTRY)
+    yield
+    effects.remove(ENTRY)
 
 
 def test_the_new_effect_is_a_key_a_reason_and_a_term(with_springs):
@@ -56,6 +65,8 @@ def test_the_new_effect_is_a_key_a_reason_and_a_term(with_springs):
     simulation = Simulation(MPI.COMM_SELF, scene)
     assert "springs" in simulation.effects
     assert "the surface is held" in str(simulation.effects)
+    with pytest.raises(NoReference, match="no reference describes springs"):
+        of_same_physics(simulation)
     bare = coarse_simulation()
     more = simulation.body.constrained_stiffness.norm() - bare.body.constrained_stiffness.norm()
     assert abs(more) > 1e-9 * bare.body.constrained_stiffness.norm()
@@ -63,7 +74,7 @@ def test_the_new_effect_is_a_key_a_reason_and_a_term(with_springs):
 
 def test_off_it_leaves_no_trace(with_springs):
     off = coarse_simulation()
-    assert "springs" not in off.effects and "effects.springs" in off.scene.values
+    assert "springs" not in off.effects and off.scene.effects.springs == 0
     plain = coarse_simulation()
     assert off.body.stiffness.norm() == plain.body.stiffness.norm()
 

@@ -16,8 +16,7 @@ from simulations.loading.stepping import LoadProgramme, SolveError
 from simulations.run import reference
 from simulations.run.comparison import compare, compare_state
 from simulations.run.simulation import Simulation
-from simulations.scene.language import SceneError
-from simulations.scene.scene import DEFAULT_SCENE, parse
+from simulations.scene import DEFAULT_SCENE, SceneError, parse
 
 FINE = {
     "mesh__facet": 0.0125,
@@ -77,7 +76,7 @@ def test_frictionless_scene_leaves_no_trace_of_friction(tmp_path):
     simulation = coarse_simulation(INDENTATION)
     problem = simulation.solver.problem
     assert simulation.solver.frictional is None
-    assert problem.directions == (Y,) and not hasattr(problem, "mu") and not hasattr(problem, "anchor")
+    assert problem.directions == (Y,) and problem.memory is None and problem.safeguards is None
     done = run_command(*coarse_arguments(tmp_path, **{}), module="simulations.indentation")
     assert done.returncode == 0, done.stderr
     with h5py.File(tmp_path / "surface.h5") as file:
@@ -153,7 +152,7 @@ def worst_of_states(*settings) -> dict[str, float]:
     simulation = Simulation(MPI.COMM_SELF, parse(DEFAULT_SCENE, settings)).run_to_end()
     other = reference.HalfPlane(simulation)
     states = [compare_state(entry, other) for entry in simulation.history.entries if entry.increment.state]
-    assert len(states) == 1 + 5 * simulation.scene["load.cycles"]
+    assert len(states) == 1 + 5 * simulation.scene.load.cycles
     return {name: max(state[name] for state in states) for name in ("pressure_l2", "traction_l2")}
 
 
@@ -198,7 +197,7 @@ def test_a_coupled_loop_needs_the_guard_against_turning_round(monkeypatch):
         "mesh__first_layer": 4e-3,
     }
     hard |= {"mesh__growth": 1.5, "mesh__layer_growth": 1.5, "solver__increments": 6}
-    monkeypatch.setattr("simulations.run.simulation.expected_edges", of_the_closed_form)
+    monkeypatch.setattr("simulations.run.plan.expected_edges", of_the_closed_form)
     monkeypatch.setattr("simulations.loading.stepping.MAX_CUTS", 0)
     solved(**hard)
     monkeypatch.setattr(LoadProgramme, "_guarded", LoadProgramme._fixed_point)
@@ -207,7 +206,7 @@ def test_a_coupled_loop_needs_the_guard_against_turning_round(monkeypatch):
 
 
 def test_friction_follows_from_the_scene():
-    assert parse(INDENTATION)["effects.friction"] is False
+    assert parse(INDENTATION).effects.friction is False
     with pytest.raises(SceneError, match="load.mu is missing"):
         parse(INDENTATION, ("load.amplitude=0.5",))
     with pytest.raises(SceneError, match="friction_in_normal_stage"):

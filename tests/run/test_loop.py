@@ -9,8 +9,8 @@ from solving import coarse_simulation, deviations, solved
 from analytic import CylinderContact
 from simulations.fem.mesh import Grading, columns
 from simulations.run.comparison import relative_l2
+from simulations.scene import DEFAULT_SCENE, parse
 from simulations.scene.scaling import Scales
-from simulations.scene.scene import DEFAULT_SCENE, parse
 
 
 @pytest.fixture(scope="module")
@@ -45,7 +45,7 @@ def test_loads_balance(condensed):
 
 
 def test_contact_conditions_hold(condensed):
-    mu = condensed.scene["load.mu"]
+    mu = condensed.scene.load.mu
     for entry in condensed.history.entries:
         surface = entry.surface
         gap = condensed.scaled.indenter.height(surface.x) + surface.u[1] - surface.delta[1]
@@ -104,7 +104,7 @@ def test_repeated_increment_changes_nothing():
 def test_units(condensed, factor):
     """Lengths and stresses in other units give the same numbers in those units."""
     length, stress = factor, 1 / factor**1.5
-    values = condensed.scene.values
+    values = condensed.scene.to_keys()
     text = f"""
         [solid]
         E0 = {values["solid.E0"] * stress!r}

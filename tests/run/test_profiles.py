@@ -6,7 +6,7 @@ from solving import deviations, solved
 
 from simulations.run import reference
 from simulations.run.comparison import compare, compare_state
-from simulations.scene.scene import DEFAULT_SCENE
+from simulations.scene import DEFAULT_SCENE
 
 MEDIUM = {
     "mesh__facet": 0.04,
@@ -47,7 +47,7 @@ def test_other_profiles_match_their_closed_form(profile):
 def test_a_circle_may_end_above_the_mesh():
     """Under a large load the domain may be wider than the cylinder."""
     simulation = solved(scene_with("circle"), load__P=1.6e7, load__cycles=0, mesh__extent=40)
-    assert simulation.cells.extent * simulation.scaled.scales.length > simulation.scene["indenter.R"]
+    assert simulation.cells.extent * simulation.scaled.scales.length > simulation.scene.indenter.R
 
 
 def test_a_formula_is_its_profile():

@@ -1,31 +1,39 @@
 """Every Jacobian against finite differences, at states with open, closed, stuck and sliding points."""
 
+from contextlib import ExitStack
+
 import numpy as np
 import pytest
 from conftest import coarse_overrides
 from mpi4py import MPI
 
-from simulations.fem.body import X, Y
+from forms.contact import BACKWARD, CLOSED, FORWARD, OPEN, X, Y
 from simulations.fem.contact_problem import ContactProblem, Nitsche
 from simulations.run.simulation import Simulation
-from simulations.scene.scene import DEFAULT_SCENE, parse
-from simulations.solvers.condensed.compliance import Compliance
+from simulations.scene import DEFAULT_SCENE, parse
+from simulations.solvers.condensed.surface_compliance import SurfaceCompliance
 from simulations.solvers.condensed.system import CondensedSystem
 from simulations.solvers.full import FullSystem
 
 STEP = 1e-7
+FRICTIONLESS, FRICTIONAL, HELD_PRESSURE = (Y,), (X, Y), (X,)
+EVERY_CASE = pytest.mark.parametrize(
+    "directions", [FRICTIONLESS, FRICTIONAL, HELD_PRESSURE], ids=["frictionless", "frictional", "held pressure"]
+)
 
 
 @pytest.fixture(scope="module", params=["plain", "mixed"])
 def partly_slipping(request):
-    """A body in partial slip at Q = +Q_A/2 on the first loading, the load, and the programme's frictional problem."""
+    """A simulation in partial slip at Q = +Q_A/2 on the first loading, with its frictionless state, and the load."""
     mixed = str(request.param == "mixed").lower()
     simulation = Simulation(MPI.COMM_SELF, parse(DEFAULT_SCENE, coarse_overrides(effects__incompressibility=mixed)))
     states = simulation.run()
     next(states)
+    simulation.body.complete()
+    pressed = simulation.body.state.x.array.copy()
     entry = next(states)
     simulation.body.complete()
-    return simulation, entry.increment.load
+    return simulation, pressed, entry.increment.load
 
 
 def relative_defect(system, load, rng):
@@ -46,30 +54,52 @@ def relative_defect(system, load, rng):
     return defect.norm() / image.norm()
 
 
-@pytest.mark.parametrize("all_stick", [0.0, 1.0])
+@pytest.mark.parametrize("all_stick", [False, True])
 @pytest.mark.parametrize("theta", [-1.0, 0.0, 1.0])
-@pytest.mark.parametrize("friction", [False, True])
-def test_full_system(partly_slipping, friction, theta, all_stick):
-    simulation, load = partly_slipping
-    problem = perturbed_problem(simulation, friction, theta, all_stick)
-    assert relative_defect(FullSystem(problem), load, np.random.default_rng(1)) < 1e-6
+@EVERY_CASE
+def test_full_system(partly_slipping, directions, theta, all_stick):
+    problem, load = perturbed_problem(partly_slipping, directions, theta), partly_slipping[-1]
+    with ExitStack() as stack:
+        if all_stick and problem.safeguards:
+            stack.enter_context(problem.safeguards.all_stick())
+        assert relative_defect(FullSystem(problem), load, np.random.default_rng(1)) < 1e-6
 
 
-@pytest.mark.parametrize("friction", [False, True])
-def test_condensed_system(partly_slipping, friction):
-    simulation, load = partly_slipping
-    problem = perturbed_problem(simulation, friction, theta=0.0, all_stick=0.0)
-    system = CondensedSystem(problem, Compliance(simulation.body))
+@EVERY_CASE
+def test_condensed_system(partly_slipping, directions):
+    problem, load = perturbed_problem(partly_slipping, directions, theta=0.0), partly_slipping[-1]
+    system = CondensedSystem(problem, SurfaceCompliance(problem.body))
     assert relative_defect(system, load, np.random.default_rng(1)) < 1e-6
 
 
-def perturbed_problem(simulation, friction, theta, all_stick):
+def test_lagged_pressure(partly_slipping):
+    """With friction limited by a pressure that is kept, p is not in the derivative of q."""
+    problem, load = perturbed_problem(partly_slipping, FRICTIONAL, theta=0.0), partly_slipping[-1]
+    with problem.safeguards.lagged_pressure():
+        assert relative_defect(FullSystem(problem), load, np.random.default_rng(1)) < 1e-6
+
+
+@EVERY_CASE
+def test_the_states_are_all_there(partly_slipping, directions):
+    """What the differences are taken at: open and closed points, with friction also points that slide."""
+    states = set(perturbed_problem(partly_slipping, directions, theta=0.0).terms.contact_states())
+    assert {OPEN, CLOSED} <= states
+    assert bool({FORWARD, BACKWARD} & states) == (X in directions)
+
+
+def perturbed_problem(partly_slipping, directions, theta):
     """A problem on the body whose anchor and friction make some points stick and some slide."""
-    nitsche, directions = Nitsche(gamma0=3.0, theta=theta), (X, Y) if friction else (Y,)
-    problem = ContactProblem(simulation.body, simulation.scaled.indenter.height, nitsche, directions)
-    if friction:
-        problem.mu.value = simulation.scene["load.mu"]
-        problem.release()
-        problem.anchor.x.array[:] -= 1e-2 * np.random.default_rng(2).random(problem.anchor.x.array.size)
-    problem.all_stick.value = all_stick
+    simulation, pressed, _ = partly_slipping
+    body, height, mu = simulation.body, simulation.scaled.indenter.height, simulation.scene.load.mu
+    nitsche = Nitsche(gamma0=3.0, theta=theta)
+    problem = ContactProblem(body, height, nitsche, directions, mu)
+    if directions == HELD_PRESSURE:
+        now = body.state.x.array.copy()
+        body.state.x.array[:] = pressed
+        problem.hold_pressure(ContactProblem(body, height, nitsche, FRICTIONLESS))
+        body.state.x.array[:] = now
+    if problem.friction:
+        problem.memory.release()
+        anchor, at_rest = problem.memory.save()
+        problem.memory.restore((anchor - 1e-2 * np.random.default_rng(2).random(anchor.size), at_rest))
     return problem

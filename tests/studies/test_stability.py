@@ -17,9 +17,7 @@ from simulations.run import expected_edges as edges
 from simulations.run.energy import EnergyMeter, worst_defect
 from simulations.run.limits import expected_error
 from simulations.run.simulation import Simulation
-from simulations.scene import effects
-from simulations.scene.language import SceneError
-from simulations.scene.scene import resolve
+from simulations.scene import SceneError, effects, make_scene
 from simulations.solvers import newton
 from simulations.solvers.condensed import tangent
 from simulations.solvers.condensed.tangent import DenseTangent
@@ -136,7 +134,7 @@ def test_last_point_that_sticks_is_held(monkeypatch):
     """Under a constant Q the contact shrinks until all but one point slide, towards each other."""
 
     def shrunk():
-        return Simulation(MPI.COMM_SELF, resolve(SHRINKING)).run_to_end()
+        return Simulation(MPI.COMM_SELF, make_scene(SHRINKING, base=None)).run_to_end()
 
     assert shrunk().history.entries[-1].increment.load == pytest.approx((0.1, 0.5))
     monkeypatch.setattr(HeldPoint, "update", lambda self: False)

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.sparse import csr_matrix
 
-from ...fem.body import HalfPlane, X, Y
+from ...fem.body import ElasticBody, X, Y
 from ...fem.parallel import gathered
 
 SAME = 1e-11  # positions closer than this (over the extent of the mesh) are the same
@@ -70,7 +70,7 @@ class Part:
         )
 
 
-def parts(body: HalfPlane) -> list[Part]:
+def parts(body: ElasticBody) -> list[Part]:
     """The symmetric and the antisymmetric part, or the whole body where it is not its own mirror image."""
     position, parity, kind = _positions(body)
     columns, column = _levels(position[:, 0])

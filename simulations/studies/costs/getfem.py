@@ -12,16 +12,16 @@ import getfem
 import numpy as np
 
 from analytic import point_force_displacement
-from forms.depth import DepthMap
+from forms.depth_map import DepthMap
 
 from ...fem.mesh import Grading, columns, layers
 from ...loading.schedule import rocking
 from ...run.comparison import relative_l2
 from ...run.expected_edges import half_plane_solver
-from ...run.reference import NODES
+from ...run.mesh_free import NODES
+from ...scene import parse
 from ...scene.effects import Effects
 from ...scene.scaling import Scaled
-from ...scene.scene import parse
 from .cases import GETFEM, Case
 
 CONTACT, FAR = 1, 2
@@ -39,7 +39,7 @@ def measure(case: Case) -> dict:
     edges = -scaled.contact.a, -0.317, 0.317, scaled.contact.a
     layer_growth, extent, is_mixed = GETFEM[t]
     grading = Grading(edges, 0.025 * t, edge, 1.6, edge, layer_growth, extent)
-    programme = rocking(1.0, 0.9 * scene["load.mu"], 1, QUARTER)
+    programme = rocking(1.0, 0.9 * scene.load.mu, 1, QUARTER)
     wall, cpu = time.perf_counter(), time.process_time()
     try:
         unknowns, states = _loop(scene, scaled, grading, is_mixed, programme)
@@ -64,7 +64,7 @@ def _loop(scene, scaled, grading, is_mixed, programme):
     multipliers.set_fem(getfem.Fem("FEM_QK(2,1)"))
     integration = getfem.MeshIm(mesh, getfem.Integ("IM_GAUSS_PARALLELEPIPED(2,5)"))
     model = getfem.Model("real")
-    nu = scene["solid.nu"]
+    nu = scene.solid.nu
     E = float(scaled.modulus.young(1.0))
     model.add_fem_variable("u", u)
     model.add_filtered_fem_variable("l", multipliers, CONTACT)
@@ -109,7 +109,7 @@ def _loop(scene, scaled, grading, is_mixed, programme):
         if not converged:
             raise RuntimeError(f"not converged at P = {P:g}, Q = {Q:g}")
 
-    states = _states(model, mesh, u, programme, solve, scene["load.mu"])
+    states = _states(model, mesh, u, programme, solve, scene.load.mu)
     return model.nbdof(), states
 
 

@@ -1,8 +1,9 @@
-"""What the body is to its surface: the response to contact forces, from one factorisation of each half.
+"""Surface compliance matrix of the elastic body, from one Schur factorisation of each symmetric half.
 
-The body outside the strip is factorised down to the interface with the strip, to which it leaves a dense Schur
-complement; the strip, one row of cells, is added to that as a dense system. No response is solved for one by one. On a
-mesh that is its own mirror image the two halves (``mirror``) are independent, and two ranks do one each.
+The strip is the row of cells along the surface where contact is looked for. The rest of the body is factorised and
+leaves a dense Schur complement on its interface with the strip. The strip itself is added as a dense system. On a
+mesh that is its own mirror image the symmetric and the antisymmetric half (``mirror``) are independent, and two ranks
+factorise one each.
 """
 
 import numpy as np
@@ -14,21 +15,21 @@ from scipy.linalg import solve
 from scipy.sparse import csr_matrix, vstack
 from scipy.sparse.linalg import splu
 
-from ...fem.body import HalfPlane
+from ...fem.body import ElasticBody
 from ...fem.parallel import gathered
+from .matrix import ComplianceMatrix
 from .mirror import NONE, Part, parts
-from .response import Response
 from .schur import PartialFactor
 
 
-class Compliance:
-    """Response of the strip to unit nodal forces on the surface and to unit line loads in the far field.
+class SurfaceCompliance:
+    """Displacement of the strip under unit nodal forces on the surface, and under unit line loads in the far field.
 
     It depends on the body alone. Surface nodes are sorted by x. ``strip`` holds the global dofs (r,) of the strip
-    cells, sorted; rank 0 has ``far`` (r, 2), columns Q and P, None elsewhere; of the response each rank has its share.
+    cells, sorted. Rank 0 has the matrix and ``far`` (r, 2), columns Q and P; other ranks have neither.
     """
 
-    def __init__(self, body: HalfPlane):
+    def __init__(self, body: ElasticBody):
         self.body, self.comm = body, body.mesh.comm
         self._find_surface()
         inner, interface = self._find_strip()
@@ -40,12 +41,14 @@ class Compliance:
         for number in range(self.comm.rank, self.comm.rank + len(found), self.comm.size):
             self._add(found[number] if number < len(found) else Part(NONE), inner, interface, loads)
         self.far = self.comm.reduce(self.far)
+        blocks = self.comm.gather(self._blocks)
+        self._blocks = [block for rank in blocks for block in rank] if blocks else []
 
-    def response(self, directions: tuple[int, ...]) -> Response:
-        """This rank's share of R (r, mn) to unit forces along ``directions``, one after the other."""
-        share = Response((len(self.strip), 2 * self.n), tuple(self._blocks))
+    def matrix(self, directions: tuple[int, ...]) -> ComplianceMatrix:
+        """Compliance matrix C (r, mn) for unit forces along ``directions``, one after the other; on rank 0."""
+        whole = ComplianceMatrix((len(self.strip), 2 * self.n), tuple(self._blocks))
         first = directions[0] * self.n
-        return share if len(directions) == 2 else share.chosen(slice(first, first + self.n))
+        return whole if len(directions) == 2 else whole.chosen(slice(first, first + self.n))
 
     def collect(self, owned: np.ndarray) -> np.ndarray:
         """Rows (n, ...) sorted by x, on every rank, from those of the owned surface nodes."""
@@ -138,7 +141,7 @@ class Compliance:
         return gathered(self.comm, b.array_r)
 
     def _add(self, part, inner, interface, loads):
-        """Factorise a part of this rank's, or none, and keep what it contributes to the response. Collective."""
+        """Factorise a part on this rank, or none, and keep its block of the compliance matrix. Collective."""
         half, r = _half(self.body, part, inner, interface), len(self.strip)
         if half is None:
             return
@@ -205,7 +208,7 @@ class _Half:
         return joined
 
 
-def _half(body: HalfPlane, part: Part, inner, interface) -> "_Half | None":
+def _half(body: ElasticBody, part: Part, inner, interface) -> "_Half | None":
     """What this rank knows of its own part; None where that is empty. Collective."""
     dofs = part.dofs
     matrix = _rows(body.constrained_stiffness, dofs)[:, dofs]

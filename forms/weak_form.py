@@ -1,0 +1,175 @@
+"""The complete problem on one page. docs/method.md has the same in mathematics, with the same numbers (F1) ... (F12).
+
+Unknowns: the displacement u of the body, in the mixed form also its mean stress pi, and the rigid displacement
+delta = (delta_x, delta_y) of the indenter. For all test functions v (and r), under the line loads P and Q:
+
+    (F1) + (F2) - (F8) - (F9) = 0,      resultants (F10) = (Q, P)
+
+    plain displacements    (F1)          mixed                (F1), (F2)
+    frictionless           p by (F5), no q
+    frictional             p by (F5), q by (F7)
+    held pressure          p = p_N, held from the frictionless problem; q by (F7), with u - u_N for u in t and s
+    theta = 0              no (F9)
+"""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import ufl
+
+from . import contact, elasticity
+from .contact import X, Y
+from .depth_map import DepthMap
+from .modulus import Modulus
+
+
+@dataclass(frozen=True)
+class Solid:
+    """The elastic solid in the forms: E(y) and nu with constants as parameters, mesh depth s, height h of the cells."""
+
+    modulus: Modulus
+    nu: Any
+    depth: DepthMap
+    s: Any
+    h: Any
+
+    def traction(self, u, pi):
+        """t = -sigma n on the surface."""
+        return elasticity.surface_traction(u, self.modulus, self.nu, self.depth, self.h, pi)  # (F3)
+
+    def surface_modulus(self):
+        """Plane-strain modulus E/(1 - nu²) of the surface cells, per mesh depth."""
+        return self.modulus.surface_moduli(self.h, self.depth)[1] / (1.0 - self.nu**2)
+
+
+def internal_work(solid: Solid, u, pi, v, r, dx, correction=1.0):
+    """Virtual work of the stresses; in the mixed form also what makes ``pi`` the mean stress. pi, r: None if plain.
+
+    correction: factor on E, cell by cell (``elasticity.virtual_work``).
+    """
+    E, nu, depth, s = solid.modulus, solid.nu, solid.depth, solid.s
+    work = elasticity.virtual_work(u, v, E, nu, depth, s, correction, pi) * dx  # (F1)
+    if pi is not None:
+        work += elasticity.dilatation(u, pi, r, E, nu, depth, s, correction) * dx  # (F2)
+    return work
+
+
+@dataclass(frozen=True)
+class Friction:
+    """What Coulomb's law needs beside the displacement: constants and fields at the surface points.
+
+    mu; anchor: where a point last came to rest; slid: where it slid in the last Newton iterate (``contact.slides``);
+    all_stick: 1 in the predictor; is_lagged: 1 where friction is limited by lagged_pressure, None where there is none.
+    """
+
+    mu: Any
+    anchor: Any
+    slid: Any
+    all_stick: Any
+    is_lagged: Any = None
+    lagged_pressure: Any = None
+
+
+@dataclass(frozen=True)
+class NitscheParameters:
+    """gamma > 0, a stress over a length, and theta; None for theta = 0, which drops (F9)."""
+
+    gamma: Any
+    theta: Any = None
+
+
+@dataclass(frozen=True)
+class Contact:
+    """The contact tractions ``tractions[Y]`` = p and ``tractions[X]`` = q, and what else is known at a surface point.
+
+    state: ``contact.contact_state``; sliding, beyond_limit, rest, released: None without friction.
+    """
+
+    t: Any
+    nitsche: NitscheParameters
+    tractions: dict[int, Any] = field(default_factory=dict)
+    state: Any = None
+    friction: Friction | None = None
+    sliding: Any = None
+    beyond_limit: Any = None
+    rest: Any = None
+    released: Any = None
+
+
+def frictionless_contact(u, t, delta, profile, nitsche: NitscheParameters) -> Contact:
+    """Pressure alone, (F5); profile: the indenter's f(x)."""
+    g = contact.gap(u, profile, delta)  # (F4)
+    p = contact.contact_pressure(t, g, nitsche.gamma)  # (F5)
+    return Contact(t, nitsche, {Y: p}, contact.contact_state(p))
+
+
+def frictional_contact(u, t, delta, profile, nitsche: NitscheParameters, friction: Friction) -> Contact:
+    """Pressure and tangential traction, (F5) and (F7)."""
+    p = frictionless_contact(u, t, delta, profile, nitsche).tractions[Y]
+    return _with_friction(u, t, delta, p, {Y: p}, nitsche, friction)
+
+
+def tangential_contact(u, t, delta, held_pressure, nitsche: NitscheParameters, friction: Friction) -> Contact:
+    """Tangential traction alone, (F7), under a held pressure p_N; u and t: less those of the frictionless problem."""
+    return _with_friction(u, t, delta, held_pressure, {}, nitsche, friction)
+
+
+def _with_friction(u, t, delta, p, tractions, nitsche, friction):
+    gamma, limiting = nitsche.gamma, p
+    if friction.is_lagged is not None:
+        limiting = ufl.conditional(ufl.gt(friction.is_lagged, 0.5), friction.lagged_pressure, p)
+    s = contact.relative_displacement(u, delta)  # (F6)
+    trial = contact.trial_traction(t, s, friction.anchor, gamma)
+    limit = friction.mu * limiting
+    sliding = contact.slides(trial, limit, friction.slid)
+    q = contact.coulomb(trial, limiting, limit, sliding, friction.all_stick)  # (F7)
+    return Contact(
+        t,
+        nitsche,
+        tractions | {X: q},
+        contact.contact_state(p, sliding),
+        friction,
+        sliding,
+        beyond_limit=contact.slip_beyond_limit(trial, limit, gamma),
+        rest=contact.rest_position(t, s, q, gamma),  # (F11)
+        released=contact.rest_position(t, s, 0.0, gamma),
+    )
+
+
+def contact_work(law: Contact, v, ds):
+    """Virtual work of the contact tractions."""
+    return sum(contact.work(traction, v, i) * ds for i, traction in law.tractions.items())  # (F8)
+
+
+def contact_forces(law: Contact, state, test, v, ds):
+    """All contact terms: the virtual work and, for theta other than 0, Nitsche's consistency term.
+
+    state: the field of all unknowns of the body, with ``test`` its test function and v that of the displacement.
+    """
+    forces = contact_work(law, v, ds)
+    if law.nitsche.theta is not None:
+        for i, traction in law.tractions.items():
+            t_test = ufl.derivative(law.t[i], state, test)
+            forces += contact.consistency(law.t[i], traction, t_test, law.nitsche.theta, law.nitsche.gamma) * ds  # (F9)
+    return forces
+
+
+def resultants(law: Contact, ds, symmetry_factor: float):
+    """∫ q dx and ∫ p dx of the whole body, in the order of their directions; symmetry_factor: 2 on half a body."""
+    return [symmetry_factor * law.tractions[i] * ds for i in sorted(law.tractions)]  # (F10)
+
+
+def contact_tangent(forces, state, trial):
+    """What the contact terms add to the Jacobian by the state."""
+    return ufl.derivative(-forces, state, trial)  # (F12)
+
+
+def rigid_borders(forces, loads, state, test, translations):
+    """Columns, rows and corner of the Jacobian for the rigid displacements; forces, loads: (F8) + (F9), and (F10).
+
+    The indenter enters through u - delta alone: d/d(delta_i) is minus the derivative along the translation e_i.
+    """
+    columns = [ufl.derivative(forces, state, e) for e in translations]  # (F12)
+    rows = [ufl.derivative(load, state, test) for load in loads]
+    corner = [[-ufl.derivative(load, state, e) for e in translations] for load in loads]
+    return columns, rows, corner
