@@ -15,6 +15,7 @@ __version__ = "0.1.0"
 if TYPE_CHECKING:
     from .api import Result, run
     from .loading.stepping import SolveError
+    from .run.checks import ChecksWarning
     from .run.comparison import compare
     from .run.reference import closed_form, of_same_physics
     from .run.simulation import Simulation
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from .studies.sweeping import sweep
 
 _EXPORTS = {
+    "ChecksWarning": "run.checks",
     "compare": "run.comparison",
     "SceneError": "scene",
     "Result": "api",
@@ -38,6 +40,7 @@ _EXPORTS = {
     "sweep": "studies.sweeping",
 }
 __all__ = [
+    "ChecksWarning",
     "DEFAULT_SCENE",
     "Result",
     "Scene",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -10,7 +11,7 @@ from typing import Any
 import numpy as np
 from mpi4py import MPI
 
-from .run import comparison, reference
+from .run import checks, comparison, reference
 from .run.history import Entry
 from .run.simulation import Simulation
 from .scene import DEFAULT_SCENE, Scene, make_scene
@@ -87,6 +88,13 @@ class Result:
         """Of the last full cycle, or of everything where there is none, J/m."""
         return self.simulation.history.dissipated_energy * self.simulation.scaled.scales.energy
 
+    @cached_property
+    def checks(self) -> dict[str, checks.Check]:
+        """What the run is checked for after the solve, by name: value, limit, and whether it ``holds``."""
+        simulation = self.simulation
+        coupled = "coupling" in simulation.effects or not simulation.scene.friction
+        return checks.check(simulation.history, simulation.scaled.indenter.height, coupled)
+
     def errors(self) -> dict[str, float]:
         """Relative deviations from what has the same physics; reference.NoReference where there is none."""
         return comparison.compare(self.simulation.history, reference.of_same_physics(self.simulation))
@@ -100,11 +108,16 @@ def run(
 ) -> Result:
     """Run a Scene, or ``make_scene(changes, base)``, to its end; no files. SolveError where there is no solution.
 
-    comm: every rank of it calls ``run`` and gets the whole result; progress: called with each entry of the history.
+    Where checks of the result fail, a ``ChecksWarning`` names them (``warnings.simplefilter("error", ChecksWarning)``
+    makes it an error). comm: every rank of it calls ``run`` and gets the whole result; progress: called with each entry
+    of the history.
     """
     scene = changes if isinstance(changes, Scene) else make_scene(changes, base)
     simulation = Simulation(comm, scene)
     for entry in simulation.run():
         if progress:
             progress(entry)
-    return Result(simulation)
+    result = Result(simulation)
+    if not checks.hold(result.checks):
+        warnings.warn(checks.describe(result.checks), checks.ChecksWarning, stacklevel=2)
+    return result

@@ -68,7 +68,7 @@ def of_same_physics(simulation: Simulation, tell: Tell | None = None) -> Referen
     if kind == "none":
         raise NoReference("reference.kind = none")
     if foreign:
-        raise NoReference(f"none knows the {' and the '.join(foreign)} of this run")
+        raise NoReference(f"no reference describes {' and '.join(foreign)}")
     if simulation.effects.has_closed_form and kind != "half-plane":
         exact = closed_form(simulation)
         assert exact is not None  # has_closed_form

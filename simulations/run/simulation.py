@@ -1,10 +1,7 @@
 """From a scene to states: mesh, contact problem and load programme put together. No files."""
 
 from collections.abc import Iterator
-from dataclasses import astuple
 from functools import cached_property
-
-import numpy as np
 
 from analytic import GradedHalfPlane, point_force_displacement
 
@@ -14,34 +11,28 @@ from ..fem.mesh import Grading, columns, create_mesh, layers
 from ..fem.numbering import Numbering
 from ..fem.parallel import on_root
 from ..fem.surface import SurfaceSampler
-from ..loading.schedule import Load, pressing, rocking, visiting
 from ..loading.stepping import LoadStepping, SolveError
 from ..scene import Scene
-from ..scene.effects import Effects
-from ..scene.scaling import Scaled
 from ..solvers.condensed.surface_compliance import SurfaceCompliance
 from ..solvers.condensed.system import CondensedSystem
 from ..solvers.full import FullSystem
 from ..solvers.newton import FORCE_TOLERANCE
-from .expected_edges import expected_edges
+from . import freeing
 from .history import Entry, History
 from .limits import check_depth, check_parameters, check_resolution, check_round_off, check_size
+from .plan import Plan
+from .reuse import Meshed, why_not
 from .timing import Stopwatch
 
-# The far field is known less well where a coating is not in it, or where coupling moves the contact aside and with it
-# the line on which P acts (k = -0.5: 8 % of a, which costs 8e-3 in p at 20 a): it is prescribed that much further away.
-FARTHER = 5.0
 # The far field that vanishes at infinity is a rigid translation of order 1/k and little else where k > 0 is small: its
 # last digits would be contact forces. Below this k the field is measured from the depth of the domain, as for k <= 0.
 SMALLEST_K_AT_INFINITY = 0.01
 
 
-class Simulation:
+class Simulation(Meshed):
     """A scene on a communicator, ready to run.
 
     ``history`` grows by one entry an increment while ``run`` is iterated; ``body`` then carries that entry's fields.
-    ``contact`` and ``loop`` are the closed forms in scaled units, None where there are none; ``watch`` has the seconds
-    spent in each phase.
     """
 
     def __init__(
@@ -53,21 +44,18 @@ class Simulation:
         watch: Stopwatch | None = None,
         tolerance: float = FORCE_TOLERANCE,
     ):
-        """cells: of the mesh, where they are not those of the scene; like: a simulation of the same solid (k, nu,
-        coating), whose mesh, stiffness and compliance this one takes over, whatever its loads, friction and cylinder:
-        it then ends that one; watch: what measures the phases; tolerance: Newton's, of forces and loads over P.
+        """cells: of the mesh, where they are not those of the scene; like: a simulation of the same solid, whose
+        mesh, stiffness and compliance this one takes over where they do (``reuse.why_not``), whatever its loads,
+        friction and cylinder: it then ends that one; watch: what measures the phases; tolerance: Newton's, of forces
+        and loads over P.
         """
-        self.scene, self.effects, self.watch = scene, Effects(scene), watch or Stopwatch()
-        self.scaled = Scaled.of(scene)
-        self.contact, self.mu = self.scaled.contact, scene.mu
-        self.loop = None
-        if scene.is_loop and self.contact:
-            self.loop = self.contact.fretting(mu=self.mu, z=1.0 - scene.load.amplitude)
-        self.programme = self._programme()
+        super().__init__(scene, watch or Stopwatch())
+        self.mesh_of = like.mesh_of if like else None if cells else self.graded_for  # what the mesh was graded for
         check_parameters(scene)
         if like is None:
+            freeing.earlier(comm)
             with self.watch("mesh"):
-                self.cells = cells or on_root(comm, self._grading)
+                self.cells = cells or on_root(comm, self.grading)
                 check_resolution(scene, self.cells, self.loop)
                 check_depth(scene, self.cells)
                 self.ordinates = self._ordinates()
@@ -76,6 +64,7 @@ class Simulation:
         with self.watch("forms"):  # compiles them the first time
             if like is None:
                 self.body = self._body(mesh, facets)
+                freeing.later(self.body)
             else:
                 self._take_over(like)
             nitsche = Nitsche(scene.solver.gamma0, scene.solver.theta)
@@ -117,38 +106,14 @@ class Simulation:
         )
 
     def _take_over(self, other: "Simulation"):
-        """The body of ``other``, at rest; ValueError where it is not the same in scaled units."""
-        mine, theirs = (
-            (
-                *astuple(s.scaled.modulus),  # type: ignore[call-overload]
-                s.scene.solid.nu,
-                s.scene.mesh.degree,
-                *(e in s.effects for e in ("symmetry", "incompressibility")),
-            )
-            for s in (self, other)
-        )
-        if type(self.scaled.modulus) is not type(other.scaled.modulus) or not np.allclose(
-            mine, theirs, rtol=1e-12, atol=0
-        ):
-            raise ValueError("another solid: its body cannot be taken over")
-        if self.effects.works(self.scene, self.scaled.scales) or other.effects.works(other.scene, other.scaled.scales):
-            raise ValueError("effects add to the stiffness: the body cannot be taken over")
+        """The body of ``other``, at rest; ValueError where this scene cannot be run on it."""
+        reason = why_not(other, self)
+        if reason:
+            raise ValueError(f"the body cannot be taken over: {reason}")
         self.cells, self.ordinates, self.body = other.cells, other.ordinates, other.body
         self.body.reset()
         if other.scene.solver.method == "condensed":
             self._compliance = other._compliance
-
-    def _programme(self):
-        scene = self.scene
-        steps = scene.solver.normal_increments if "friction in normal stage" in self.effects else 1
-        if scene.is_path:
-            points = [Load(P / scene.P, Q / scene.P) for P, Q in scene.load.points]
-            first, *rest = points
-            return pressing(first.P, steps) + visiting(first, rest, scene.solver.increments)
-        if not scene.friction:
-            return pressing(1.0)
-        Q_A = scene.load.amplitude * self.mu
-        return pressing(1.0, steps) + rocking(1.0, Q_A, scene.load.cycles, scene.solver.increments)
 
     def run(self) -> Iterator[Entry]:
         """Solve increment after increment, from where the history ends; SolveError where one fails."""
@@ -179,21 +144,6 @@ class Simulation:
     def numbering(self) -> Numbering:
         """Places of the nodes on the mesh, for files."""
         return Numbering(self.body, *self.ordinates)
-
-    def _grading(self) -> Grading:
-        """Cell sizes of the scene, graded to where contact and stick zone are expected to end."""
-        scene = self.scene
-        loads = [(increment.P, increment.Q) for increment in self.programme]
-        with self.watch("edges"):
-            found = expected_edges(scene, self.scaled, self.loop, self.effects, loads)
-        sizes = scene.cell_sizes
-        if not scene.is_power_law:
-            sizes["extent"] *= FARTHER * max(1.0, self.scaled.modulus.thickness)
-        elif "coupling" in self.effects and not scene.is_decoupled:
-            sizes["extent"] *= FARTHER
-        edges = {*found.edges, *(-e for e in found.edges)}
-        sweeps = found.sweeps(scene.k, sizes["facet"], sizes["edge_facet"])
-        return Grading(edges=tuple(sorted(edges)), sweeps=sweeps, **sizes)
 
     def _system(self, problem):
         if self.scene.solver.method == "full":
@@ -227,3 +177,8 @@ def failure_in_si(simulation: Simulation, reason) -> str:
     keys = ", ".join(f"load.{name} = {value:g}" for name, value in scene.load if name in ("P", "amplitude", "mu"))
     place = f"load step {number + 1} of {len(simulation.programme)}, {step.branch}"
     return f"{loads} ({place}; {keys or 'load.points'}): {getattr(reason, 'reason', reason)}"
+
+
+def reuse_reason(previous: Simulation, scene: Scene) -> str | None:
+    """Why the body of ``previous`` does not do for ``scene`` (``like`` of a Simulation); None where it does."""
+    return why_not(previous, Plan(scene, Stopwatch()))

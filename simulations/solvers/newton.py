@@ -5,6 +5,7 @@ carry the rigid displacements of the cylinder and linearise the same forms. Opti
 line under the prefix ``fretting_``, those of the bulk factorisation under ``fretting_bulk_``.
 """
 
+import weakref
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -126,6 +127,12 @@ class _Operator:
         self.system.solve(b, x)
 
 
+def _weakly(method):
+    """A bound method that does not keep its object alive: Python's collector does not see what PETSc refers to."""
+    weak = weakref.WeakMethod(method)
+    return lambda *arguments: weak()(*arguments)
+
+
 class Newton:
     """Solves a System for given line loads, from its present state; tolerance: of forces and loads, over P."""
 
@@ -137,9 +144,9 @@ class Newton:
         jacobian.setUp()
         self.snes = PETSc.SNES().create(comm)
         self.snes.setOptionsPrefix(prefix)
-        self.snes.setFunction(self._residual, self._f)
-        self.snes.setJacobian(self._linearise, jacobian)
-        self.snes.setConvergenceTest(self._test)
+        self.snes.setFunction(_weakly(self._residual), self._f)
+        self.snes.setJacobian(_weakly(self._linearise), jacobian)
+        self.snes.setConvergenceTest(_weakly(self._test))
         self.snes.ksp.pc.setType(PETSc.PC.Type.PYTHON)
         self.snes.ksp.pc.setPythonContext(_Operator(system))
         with_defaults(prefix, SNES_OPTIONS, self.snes.setFromOptions)

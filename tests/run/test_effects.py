@@ -197,7 +197,7 @@ def test_a_coupled_loop_needs_the_guard_against_turning_round(monkeypatch):
         "mesh__first_layer": 4e-3,
     }
     hard |= {"mesh__growth": 1.5, "mesh__layer_growth": 1.5, "solver__increments": 6}
-    monkeypatch.setattr("simulations.run.simulation.expected_edges", of_the_closed_form)
+    monkeypatch.setattr("simulations.run.plan.expected_edges", of_the_closed_form)
     monkeypatch.setattr("simulations.loading.stepping.MAX_CUTS", 0)
     solved(**hard)
     monkeypatch.setattr(LoadProgramme, "_guarded", LoadProgramme._fixed_point)
