@@ -19,7 +19,7 @@ from .material import GradedHalfPlane
 from .profile import PowerProfile
 from .punch_fields import PunchFields
 from .punch_with_friction import COARSE, TERMS, Medium, punch_with_friction
-from .surface_kernel import PowerLawKernel
+from .half_plane.surface_kernel import PowerLawKernel
 
 
 @dataclass(frozen=True)

@@ -130,7 +130,7 @@ class _Operator:
 def _weakly(method):
     """A bound method that does not keep its object alive: Python's collector does not see what PETSc refers to."""
     weak = weakref.WeakMethod(method)
-    return lambda *arguments: weak()(*arguments)
+    return lambda *arguments: weak()(*arguments)  # type: ignore[misc]  # called while the object lives
 
 
 class Newton:
