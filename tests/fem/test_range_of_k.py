@@ -5,7 +5,7 @@ import pytest
 from conftest import coarse_arguments, run_command
 from solving import coarse_simulation, deviations, solved
 
-from simulations.scene.language import SceneError
+from simulations.scene import SceneError
 
 UNCOUPLED = {"solid__nu": 0.3, "effects__coupling": "false", "load__cycles": 0}
 
