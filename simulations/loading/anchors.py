@@ -8,14 +8,17 @@ from touching: as a point comes closer it moves sideways in proportion,
 
 where r is measured on points that are open still. In uncoupled contact with a power law, r is alpha dQ/dP as long as
 the surface beside the edge sticks, the same everywhere: then this is exact, however large the step is. Otherwise r
-varies slowly along the surface. The state after a step depends on the anchors: solve, measure r, anchor, solve again.
+varies slowly along the surface. Points that slide when they enter and then stop, as the edge of stick follows that of
+contact, are anchored on the curve that this edge draws.
+
+The state after a step depends on the anchors: solve, measure, anchor, solve again.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from forms.contact import OPEN
+from forms.contact import CLOSED, OPEN
 
 from ..fem.contact_problem import ContactProblem
 
@@ -76,6 +79,9 @@ class EnteringPoints:
         (old,) = self._gathered(problem.memory.anchors())
         measure(self._x, before, after, self._ratios, self._beside)
         new = anchors_of_entering(self._x, before, after, self._ratios)
+        for side in SIDES:
+            stopped, positions = anchors_of_stopped(self._x, before, after, side)
+            new[stopped] = positions
         touching = after.states != OPEN
         moved = np.abs(new - before.s)[touching].max(initial=0.0)
         if np.abs(new - old)[touching].max(initial=0.0) <= settled * moved:
@@ -152,6 +158,42 @@ def anchors_of_entering(x, before: Surface, after: Surface, ratios: dict[int, Ra
     middle = x[contact].mean() if len(contact) else x[np.argmin(before.clearance)]
     r = np.where(x < middle, ratios[-1].value, ratios[1].value)
     return np.where(before.states == OPEN, before.s + r * before.clearance, before.s)
+
+
+def anchors_of_stopped(x, before: Surface, after: Surface, side: int) -> tuple[np.ndarray, np.ndarray]:
+    """Indices and anchors of points that stick now but slid before, or were open, as those beyond them slide now.
+
+    They lie on one side of the contact, from the edge of stick inwards. Where it is now the edge tells where points
+    stop, and so do those that stuck before: the anchors between lie on a smooth curve through both.
+    """
+    contact = np.flatnonzero(after.states != OPEN)
+    outwards = contact if side > 0 else contact[::-1]
+    states, old = after.states[outwards], before.states[outwards]
+    sliding = leading(states[::-1] == states[-1]) if states[-1] != CLOSED else 0
+    edge = len(outwards) - sliding
+    new = (states == CLOSED) & ((old == OPEN) | (old == states[-1]))
+    first = edge - leading(new[:edge][::-1])
+    if not 0 < sliding < len(outwards) or first == edge:
+        return outwards[:0], np.zeros(0)
+    stopped, outer = outwards[first:edge], outwards[edge]
+    if np.all(before.states == OPEN):  # the contact started from a point, under an indenter that is a power there
+        share = before.clearance / before.clearance[outer]
+        stopped = stopped[side * x[stopped] > side * x[np.argmin(before.clearance)]]
+        return stopped, after.s[outer] * share[stopped]
+    if first == 0:
+        return outwards[:0], np.zeros(0)
+    inner = outwards[first - 1]
+    support = [inner, outer]
+    behind = outwards[np.argmin(np.abs(x[outwards] - (2 * x[inner] - x[outer])))]
+    if x[behind] != x[inner] and np.all(after.states[min(behind, inner) : max(behind, inner) + 1] == CLOSED):
+        support.append(behind)
+    curve = np.polynomial.Polynomial.fit(x[support], after.s[support], len(support) - 1)
+    return stopped, curve(x[stopped])
+
+
+def leading(mask) -> int:
+    """Number of True before the first False."""
+    return len(mask) if np.all(mask) else int(np.argmin(mask))
 
 
 def open_points(states: np.ndarray, side: int) -> np.ndarray:
