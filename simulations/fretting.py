@@ -8,7 +8,7 @@ from .command.progress import Progress
 from .command.stopping import stopping
 from .fem import parallel
 from .output import checkpoint
-from .output.files import write_summary
+from .output.files import OutputError, write_summary
 from .output.folder import begin, claimed, files
 from .output.results import Results
 from .run.checks import ChecksFailed
@@ -48,7 +48,7 @@ def prepare(request: Request, progress: Progress) -> Simulation:
     if saved and saved.increments:
         checkpoint.restore(saved, simulation)
     elif not saved:
-        parallel.on_root(comm, lambda: begin(request.output, request.scene), OSError)
+        parallel.on_root(comm, lambda: begin(request.output, request.scene), OutputError)
     return simulation
 
 

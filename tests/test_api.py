@@ -2,6 +2,7 @@
 
 import re
 import runpy
+import warnings
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import simulations
-from simulations import SceneError, make_scene, parse, run
+from simulations import ChecksWarning, SceneError, make_scene, parse, run
 from simulations.scene import SceneError as OneError
 
 QUICK = COARSE | {"load.cycles": 0}
@@ -37,6 +38,24 @@ def test_a_run_gives_arrays_and_leaves_no_files(tmp_path, monkeypatch):
     assert result.a == pytest.approx(0.00104425, rel=1e-3) and 0 < result.c < result.a
     assert abs(result.errors()["pressure_l2"]) < 1e-2
     assert list(tmp_path.iterdir()) == []
+
+
+def test_run_stays_a_function_whatever_was_imported_before():
+    from simulations import Simulation, run
+
+    assert Simulation and len(run(QUICK).x) > 10
+
+
+def test_checks_that_fail_are_a_warning(monkeypatch):
+    assert all(check.holds for check in run(QUICK).checks.values())
+    monkeypatch.setattr("simulations.run.checks.OPEN", -1.0)
+    with pytest.warns(ChecksWarning, match="checks that fail: gap >= 0"):
+        result = run(QUICK)
+    assert not result.checks["gap >= 0"].holds
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", ChecksWarning)
+        with pytest.raises(ChecksWarning):
+            run(QUICK)
 
 
 def test_scenes_are_made_of_keys_or_tables():

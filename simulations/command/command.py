@@ -7,6 +7,7 @@ ranks, so that none waits for another.
 
 import ctypes
 import os
+import socket
 import sys
 import time
 import traceback
@@ -32,7 +33,7 @@ T = TypeVar("T")
 comm = MPI.COMM_WORLD
 NO_SOLUTION, CHECKS_FAILED, NOT_WRITTEN = 3, 4, 5  # exit codes; 2 is that of wrong input
 PATIENCE = 30.0  # s that a rank which failed waits for the others to fail too
-LAST = 0.3  # s by which rank 0 ends after the others: mpirun then has nobody left to end, and no more to say
+LAST = 0.2  # s by which rank 0 ends after the others: mpirun then has nobody left to end, and no more to say
 
 
 def on_root(work: Callable[[], T]) -> T:
@@ -82,7 +83,7 @@ def _leave_together(code):
             if code and time.monotonic() - waited > PATIENCE:
                 comm.Abort(code if isinstance(code, int) else 1)
             time.sleep(0.01)
-    rank = comm.rank
+    rank, ranks = comm.rank, comm.gather((socket.gethostname(), os.getpid())) if code else None
     if isinstance(code, str):
         say(code, file=sys.stderr)
         code = 1
@@ -91,9 +92,18 @@ def _leave_together(code):
         MPI.Finalize()
     sys.stdout.flush()
     ctypes.CDLL(None).fflush(None)  # what PETSc has printed
-    if rank == 0 and code and together:
-        time.sleep(LAST)
+    if rank == 0 and ranks:
+        _wait_for_end([pid for host, pid in ranks[1:] if host == socket.gethostname()])
     os._exit(0 if rank else code)  # not through the interpreter's own end, in which a signal would find no handler
+
+
+def _wait_for_end(others: list[int]):
+    """Wait until mpirun has seen the end of the other ranks of this machine."""
+    start = time.monotonic()
+    while any(os.path.exists(f"/proc/{pid}") for pid in others) and time.monotonic() - start < PATIENCE:
+        time.sleep(0.01)
+    if others:
+        time.sleep(LAST)
 
 
 def _warn_in_one_line():

@@ -10,7 +10,6 @@ from __future__ import annotations
 import io
 import json
 import os
-import shlex
 import shutil
 import zipfile
 import zlib
@@ -170,7 +169,7 @@ def read_scene(folder: Path) -> Scene:
 
 
 def _refusal(folder, why) -> SceneError:
-    again = f"start again: SCENE --output {shlex.quote(str(folder))} --overwrite"
+    again = "start again, in another folder or with --overwrite"
     return SceneError(f"--resume {folder}: the checkpoint cannot be read: {one_line(why)}; {again}")
 
 

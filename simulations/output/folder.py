@@ -23,7 +23,7 @@ from ..fem.parallel import on_root
 from ..scene import Scene, SceneError, shown
 from . import checkpoint, fields
 from .checkpoint import SCENE
-from .files import write_text
+from .files import OutputError, write_text
 from .lock import Lock
 
 MOVED = Path("/opt/stack/moved.txt")  # of the image: packages whose recorded version the archive no longer had
@@ -80,17 +80,20 @@ def begin(folder: Path, scene: Scene):
     """Make a claimed ``folder`` that of a new run: nothing of an earlier one, and the scene.
 
     The scene of an earlier run goes last, in the moment in which the new one takes its place: a folder is always that
-    of one run. OSError where it cannot be written.
+    of one run. OutputError where it cannot be written.
     """
-    (folder / "summary.json").unlink(missing_ok=True)
-    checkpoint.remove(folder)
-    for name in (*FILES[1:], *OTHERS):
-        (folder / name).unlink(missing_ok=True)
-    for path in _state_files(folder):
-        path.unlink()
-    text = scene.to_toml()
-    made_with = "".join(f"# {name} {version}\n" for name, version in versions().items())
-    write_text(folder / SCENE, f"{made_with}{CHECKSUM}{_checksum(text)}\n{text}")
+    try:
+        (folder / "summary.json").unlink(missing_ok=True)
+        checkpoint.remove(folder)
+        for name in (*FILES[1:], *OTHERS):
+            (folder / name).unlink(missing_ok=True)
+        for path in _state_files(folder):
+            path.unlink()
+        text = scene.to_toml()
+        made_with = "".join(f"# {name} {version}\n" for name, version in versions().items())
+        write_text(folder / SCENE, f"{made_with}{CHECKSUM}{_checksum(text)}\n{text}")
+    except OSError as error:
+        raise OutputError(f"{folder} cannot be written: {error.strerror or error}; start again") from None
 
 
 def writable(folder: Path, option: str = "--output") -> Path:

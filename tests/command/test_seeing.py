@@ -78,3 +78,31 @@ def test_warnings_come_once(capfd):
         for _ in range(3):
             warnings.warn("the mesh is coarse", UserWarning, stacklevel=1)
     assert capfd.readouterr().err == "warning: the mesh is coarse\n"
+
+
+def test_every_phase_is_announced(plain):
+    for phase in ("mesh ... ", "forms (compiled the first time", "reference ... ", "picture ... "):
+        assert len(re.findall(rf"^{re.escape(phase)}.*\d s$", plain, re.M)) == 1, phase
+
+
+def test_each_value_stands_beside_its_own_error(plain):
+    """c/a beside the error of c/a, which is not that of c; the reference's name is whole."""
+    rows = {line[:28].strip(): line[28:].split() for line in plain.splitlines() if re.match(r"[a-z].*\[", line)}
+    assert {"contact half-width a [m]", "peak pressure [Pa]", "stick half-width c/a [-]"} <= set(rows)
+    for name in ("contact half-width a [m]", "peak pressure [Pa]", "stick half-width c/a [-]"):
+        mine, theirs, error = map(float, rows[name])
+        assert mine / theirs - 1 == pytest.approx(error, rel=0.1, abs=1e-7), name
+    assert re.search(r"^ +computed +closed form +relative error$", plain, re.M)
+
+
+def test_results_are_printed_without_a_reference(tmp_path):
+    done = run_command(*coarse_arguments(tmp_path, reference__kind='"none"'))
+    assert done.returncode == 0
+    assert re.search(r"^stick half-width c/a \[-\] +0\.3\d+$", done.stdout, re.M)
+    assert "peak pressure [Pa]" in done.stdout and "relative" not in done.stdout
+
+
+def test_version_and_commands():
+    assert run_command("--version").stdout == "graded-fretting 0.1.0\n"
+    done = run_command(module="simulations")
+    assert done.returncode == 0 and "fretting [SCENE.toml]" in done.stdout and "report DIR" in done.stdout
