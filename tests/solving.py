@@ -3,10 +3,10 @@
 from conftest import coarse_overrides
 from mpi4py import MPI
 
-from simulations.run.comparison import compare
-from simulations.run.expected_edges import ExpectedEdges
-from simulations.run.reference import closed_form
-from simulations.run.simulation import Simulation
+from simulations.runs.comparison import compare
+from simulations.runs.expected_edges import ExpectedEdges
+from simulations.runs.reference import closed_form
+from simulations.runs.simulation import Simulation
 from simulations.scene import DEFAULT_SCENE, parse
 
 

@@ -165,7 +165,7 @@ def test_failed_solve_says_why(tmp_path, ranks):
 
 def test_failed_solve_keeps_what_it_had(tmp_path, monkeypatch):
     """Without its cures Newton cycles in the middle of a strongly coupled loop; the states before that are kept."""
-    monkeypatch.setattr("simulations.run.plan.expected_edges", of_the_closed_form)
+    monkeypatch.setattr("simulations.runs.plan.expected_edges", of_the_closed_form)
     monkeypatch.setattr("simulations.loading.stepping.MAX_CUTS", 0)
     monkeypatch.setattr(LoadProgramme, "_guarded", LoadProgramme._fixed_point)
     mesh = {"mesh__facet": 0.05, "mesh__growth": 1.5, "mesh__edge_facet": 4e-3, "mesh__first_layer": 4e-3}

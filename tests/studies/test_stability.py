@@ -12,11 +12,11 @@ from solving import coarse_simulation, solved
 from simulations.fem import body
 from simulations.loading.pinning import HeldPoint
 from simulations.loading.stepping import LoadProgramme, SolveError
-from simulations.run import checks
-from simulations.run import expected_edges as edges
-from simulations.run.energy import EnergyMeter, worst_defect
-from simulations.run.limits import expected_error
-from simulations.run.simulation import Simulation
+from simulations.runs import checks
+from simulations.runs import expected_edges as edges
+from simulations.runs.energy import EnergyMeter, worst_defect
+from simulations.runs.limits import expected_error
+from simulations.runs.simulation import Simulation
 from simulations.scene import SceneError, effects, make_scene
 from simulations.solvers import newton
 from simulations.solvers.condensed import tangent
@@ -81,7 +81,7 @@ def test_first_contact_has_facets_enough(monkeypatch):
     monkeypatch.setattr(HeldPoint, "update", lambda self: False)
     scene = {"solid__k": -0.5, "solid__nu": 0.3, "load__mu": 0.01, "effects__friction_in_normal_stage": "true"}
     simulation = solved(**scene)
-    assert len(simulation.history.entries) == len(simulation.programme)
+    assert len(simulation.history.entries) == len(simulation.schedule)
     monkeypatch.setattr(edges, "FIRST", 0.5)
     with pytest.raises(SolveError, match="singular"):
         solved(**scene)
@@ -213,9 +213,9 @@ def test_expected_error_is_about_the_measured_one(k, measured):
 def test_too_many_unknowns(monkeypatch, degree):
     """The limit is met to the unknown, at every degree; a mixed form's mean stress comes on top."""
     unknowns = coarse_simulation(mesh__degree=degree).body.unknowns
-    monkeypatch.setattr("simulations.run.limits.MOST_UNKNOWNS", unknowns)
+    monkeypatch.setattr("simulations.runs.limits.MOST_UNKNOWNS", unknowns)
     coarse_simulation(mesh__degree=degree)
-    monkeypatch.setattr("simulations.run.limits.MOST_UNKNOWNS", unknowns - 1)
+    monkeypatch.setattr("simulations.runs.limits.MOST_UNKNOWNS", unknowns - 1)
     with pytest.raises(SceneError, match="too fine"):
         coarse_simulation(mesh__degree=degree)
 

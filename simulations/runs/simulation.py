@@ -1,4 +1,4 @@
-"""From a scene to states: mesh, contact problem and load programme put together. No files."""
+"""From a scene to states: mesh, contact problem and load schedule put together. No files."""
 
 from collections.abc import Iterator
 from functools import cached_property
@@ -117,7 +117,7 @@ class Simulation(Meshed):
 
     def run(self) -> Iterator[Entry]:
         """Solve increment after increment, from where the history ends; SolveError where one fails."""
-        outcomes = self.solver.run(self.programme, len(self.history.entries))
+        outcomes = self.solver.run(self.schedule, len(self.history.entries))
         while True:
             try:
                 with self.watch("solve"):
@@ -171,11 +171,11 @@ class Simulation(Meshed):
 def failure_in_si(simulation: Simulation, reason) -> str:
     """Why the next increment failed, with its loads in SI units and the keys of the scene that they come from."""
     scene, unit, number = simulation.scene, simulation.scaled.scales.line_load, len(simulation.history.entries)
-    step = simulation.programme[number]
+    step = simulation.schedule[number]
     P, Q = getattr(reason, "after", None) or step.load
     loads = f"P = {P * unit:.4g} N/m, Q = {Q * unit:.4g} N/m"
     keys = ", ".join(f"load.{name} = {value:g}" for name, value in scene.load if name in ("P", "amplitude", "mu"))
-    place = f"load step {number + 1} of {len(simulation.programme)}, {step.branch}"
+    place = f"load step {number + 1} of {len(simulation.schedule)}, {step.branch}"
     return f"{loads} ({place}; {keys or 'load.points'}): {getattr(reason, 'reason', reason)}"
 
 

@@ -29,7 +29,7 @@ class MeshFree:
 
     def __init__(self, simulation: Simulation, tell: Tell | None = None):
         friction_first = "friction in normal stage" in simulation.effects
-        loads, places = refined([(step.P, step.Q) for step in simulation.programme], friction_first)
+        loads, places = refined([(step.P, step.Q) for step in simulation.schedule], friction_first)
         failure = None
         for nodes in NODES:
             try:
@@ -46,7 +46,7 @@ class MeshFree:
         else:
             raise NoReference(str(failure))
         self._states = [states[place] for place in places]
-        self._schedule = simulation.programme
+        self._schedule = simulation.schedule
 
     def _at(self, entry: Entry) -> ContactState:
         return self._states[entry.number]

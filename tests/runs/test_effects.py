@@ -13,9 +13,9 @@ from analytic.half_plane.linear import ContactNotConverged
 from simulations.fem.body import X, Y
 from simulations.indentation import DEFAULT_SCENE as INDENTATION
 from simulations.loading.stepping import LoadProgramme, SolveError
-from simulations.run import reference
-from simulations.run.comparison import compare, compare_state
-from simulations.run.simulation import Simulation
+from simulations.runs import reference
+from simulations.runs.comparison import compare, compare_state
+from simulations.runs.simulation import Simulation
 from simulations.scene import DEFAULT_SCENE, SceneError, parse
 
 FINE = {
@@ -90,7 +90,7 @@ def test_explain_names_every_effect_and_writes_nothing(tmp_path):
     done = run_command("--explain", "--output", tmp_path / "results")
     assert done.returncode == 0
     names = ("grading", "friction", "symmetry", "coupling", "friction in normal stage", "incompressibility")
-    for name in (*names, "load programme", "indenter profile", "unknowns"):
+    for name in (*names, "load schedule", "indenter profile", "unknowns"):
         assert name in done.stdout
     assert not (tmp_path / "results").exists()
 
@@ -197,7 +197,7 @@ def test_a_coupled_loop_needs_the_guard_against_turning_round(monkeypatch):
         "mesh__first_layer": 4e-3,
     }
     hard |= {"mesh__growth": 1.5, "mesh__layer_growth": 1.5, "solver__increments": 6}
-    monkeypatch.setattr("simulations.run.plan.expected_edges", of_the_closed_form)
+    monkeypatch.setattr("simulations.runs.plan.expected_edges", of_the_closed_form)
     monkeypatch.setattr("simulations.loading.stepping.MAX_CUTS", 0)
     solved(**hard)
     monkeypatch.setattr(LoadProgramme, "_guarded", LoadProgramme._fixed_point)
