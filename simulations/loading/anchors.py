@@ -82,9 +82,11 @@ class EnteringPoints:
         for side in SIDES:
             stopped, positions = anchors_of_stopped(self._x, before, after, side)
             new[stopped] = positions
-        touching = after.states != OPEN
-        moved = np.abs(new - before.s)[touching].max(initial=0.0)
-        if np.abs(new - old)[touching].max(initial=0.0) <= settled * moved:
+        direction = after.states - CLOSED  # in which the traction of a point is at its limit
+        slides_still = (direction != 0) & (direction * (new - after.s) >= 0)
+        counts = (after.states != OPEN) & ~slides_still
+        moved = np.abs(new - before.s)[counts].max(initial=0.0)
+        if np.abs(new - old)[counts].max(initial=0.0) <= settled * moved:
             return False
         self._put(new)
         return True
