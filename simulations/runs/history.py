@@ -79,8 +79,10 @@ class History:
         return entry
 
     def _work(self, after: Moment) -> float:
-        earlier, before = ([None, *(Moment(e.surface, e.contact) for e in self.entries[-2:])])[-2:]
-        return frictional_work(before, after, self.mu, self.k, earlier) if self.friction else 0.0
+        if not self.friction:
+            return 0.0
+        *earlier, before = (Moment(e.surface, e.contact) for e in self.entries[-2:])
+        return frictional_work(before, after, self.mu, self.k, earlier[0] if earlier else None)
 
     @property
     def friction(self) -> bool:
