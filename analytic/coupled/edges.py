@@ -8,9 +8,12 @@ from .tractions import references
 
 PROBE = 1e-3  # difference of a variable for the Jacobian
 LONGEST = 0.3  # change of a variable in one step
-ITERATIONS = 30
-SETTLED = 1e-8  # motion of the edges over the half-width of the contact at which they rest,
-BORNE, PATIENCE = 1e-7, 8  # and that which is borne after so many steps, as rounding may not let it get smaller
+ITERATIONS = 40
+DECIDED = 0.3  # share of the largest amplitude at which the sign of another one counts
+SETTLED = 1e-8  # motion of the edges over the half-width of the contact at which they rest
+VANISHING = 1e-8  # amplitudes (see ``linear.Solution``) taken for zero,
+BORNE, PATIENCE = 2e-6, 12  # and those borne after so many steps: where a stick edge comes back to a place where it
+# turned before, slip and its limit are nearly neutral, and the edge is not well determined, but p, q and slip are
 
 
 def edges_of(y, load, contact):
@@ -47,25 +50,51 @@ class EdgeSolver:
             self.solves += 1
             return solve(self.problem, self.base, self.friction, self._edges(y, load), zones, Q)
 
-        now = solution(y)
+        now, best = solution(y), (np.inf, None, y)
+        bounds = np.full((2, 4), [[-np.inf], [np.inf]])
         for iteration in range(ITERATIONS):
             fresh = self.jacobian is None
             if fresh:
                 columns = [(solution(y + PROBE * e).amplitudes - now.amplitudes) / PROBE for e in np.eye(4)]
                 self.jacobian = np.stack(columns, axis=1)
-            step = -np.linalg.solve(self.jacobian, now.amplitudes)
+            amplitude = np.abs(now.amplitudes).max()
+            best = min(best, (amplitude, now.state, y), key=lambda b: b[0])
+            self._narrow(bounds, y, now.amplitudes)
+            step = self._step(now.amplitudes, y, bounds)
             motion = load * np.abs(step * np.exp([0, y[1], y[2], 0])).max()
-            if motion < SETTLED or (motion < BORNE and iteration > PATIENCE):
-                return now.state, y
-            step *= min(1.0, LONGEST / np.abs(step).max())
+            if motion < SETTLED or amplitude < VANISHING or (best[0] < BORNE and iteration > PATIENCE):
+                return best[1:]
             new = solution(y + step)
-            grown = np.abs(new.amplitudes).max() > 0.5 * np.abs(now.amplitudes).max()
+            grown = np.abs(new.amplitudes).max() > 0.5 * amplitude
             if grown and not fresh:
                 self.jacobian = None
             else:
                 self.jacobian += np.outer(new.amplitudes - now.amplitudes - self.jacobian @ step, step) / (step @ step)
             y, now = y + step, new
-        raise ContactNotConverged(f"the edges of contact and stick still move by {motion:.1e} of the contact's half-width")
+        raise ContactNotConverged(f"tractions without bound remain at the edges, their amplitudes are {best[0]:.1e}")
+
+    def _narrow(self, bounds, y, amplitudes):
+        """Bounds for the widths of slip: beyond the limit of friction they are too small, below it too large."""
+        for j in (1, 2):
+            beyond = -np.sign(self.friction) * amplitudes[j]
+            if abs(beyond) > DECIDED * np.abs(amplitudes).max():
+                bounds[0 if beyond > 0 else 1, j] = y[j]
+
+    def _step(self, amplitudes, y, bounds):
+        """Newton's step; the widths of slip stay within their bounds, and the others follow them."""
+        step = -np.linalg.solve(self.jacobian, amplitudes)
+        low, high = np.maximum(bounds[0] - y, -LONGEST), np.minimum(bounds[1] - y, LONGEST)
+        taken = np.zeros(4, dtype=bool)
+        for j in (1, 2):
+            if not low[j] < step[j] < high[j]:
+                taken[j] = True
+                both = np.isfinite(bounds[:, j]).all() and high[j] - low[j] < LONGEST
+                step[j] = (low[j] + high[j]) / 2 if both else np.clip(step[j], low[j], high[j])
+        if taken.any():
+            free = ~taken
+            right = -amplitudes - self.jacobian[:, taken] @ step[taken]
+            step[free] = np.linalg.solve(self.jacobian[np.ix_(free, free)], right[free])
+        return np.clip(step, -LONGEST, LONGEST)
 
     def _edges(self, y, load):
         edges = edges_of(y, load, self.base.contact)

@@ -67,16 +67,14 @@ def solve(problem, base, friction, edges, zone_references, Q) -> Solution:
         b[load_p] += lost.loads[0]
         b[load_q] += lost.loads[1]
     u = np.linalg.solve(A, b)
+    amplitudes = _amplitudes(zones, u[left], friction * u[stick_p] - u[stick_q], u[right])
     coefficients = u[left], u[stick_p], u[stick_q], u[right]
     delta_x, delta_y = base.delta_x + u[load_q][0], u[load_p][0]
-    state = SlipState(base, friction, Q, zones, coefficients, delta_x, delta_y)
-    return Solution(state, _amplitudes(state))
+    return Solution(SlipState(base, friction, Q, zones, coefficients, delta_x, delta_y), amplitudes)
 
 
-def _amplitudes(state):
-    left, p, q, right = state.coefficients
-    gap = state.friction * p - q
-    references, half = state.zones.references, state.zones.half
+def _amplitudes(zones, left, gap, right):
+    references, half = zones.references, zones.half
     ends = [references[0].left, references[1].left, references[1].right, references[2].right]
     parts = [left[: ends[0].size], gap[: ends[1].size], gap[ends[1].size :], right[-ends[3].size :]]
     tips = half[[0, 1, 1, 2]] * [end.tip for end in ends]

@@ -95,8 +95,12 @@ class Source:
 
     def __init__(self, state, low, high, tip, ratio=0.15):
         points = np.array([low, *[x for x in state.breaks if low < x < high], high])
-        smallest = min(KINK, tip)
-        pieces = [graded(a, b, smallest, smallest, ratio) for a, b in zip(points, points[1:], strict=False)]
+        smallest = np.full(len(points), KINK)
+        smallest[[0, -1]] = [KINK if end in state.contact else tip for end in (low, high)]
+        pieces = [
+            graded(*ends, *sizes, ratio)
+            for ends, sizes in zip(zip(points, points[1:]), zip(smallest, smallest[1:]))
+        ]
         self.panels = Panels.between(np.unique(np.concatenate(pieces)))
         self.p, self.q = state.table(self.panels.nodes)
 
