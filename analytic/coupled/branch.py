@@ -16,6 +16,7 @@ FIRST = 0.02  # the least of them over the span of the branch,
 FIRST_BORNE = 0.2  # and the least that must have a solution
 POWER = 1.5  # of the variable in which the loads are spread, see ``Branch._spread``
 MIDDLE = 0.3  # span at which the first of them is sought
+CONDITIONS = 1e-5  # violation of the conditions of friction that is borne, in units of the problem
 WORK_NODES = 24  # of the integral over the loads, and of that over each part of a zone of slip
 
 
@@ -101,6 +102,24 @@ class Branch:
                 return state
         return self._solved(load)[0]
 
+    @property
+    def solves(self):
+        """Number of linear systems solved so far."""
+        return self._solver.solves
+
+    def check(self, state):
+        """Raises ContactNotConverged where a state does not fulfil the conditions that its edges do not ensure."""
+        x_l, x_r = state.contact
+        c_l, c_r = state.stick
+        if c_l < self.base.contact[0] or c_r > self.base.contact[1]:
+            raise ContactNotConverged(f"Q = {state.Q:g} P: points come into contact in stick")
+        x, weight = smooth_rule(x_l, x_r, state.breaks)
+        p, q = state.tractions(x)
+        if (tension := weight @ np.maximum(-p, 0)) > CONDITIONS:
+            raise ContactNotConverged(f"Q = {state.Q:g} P: the pressure is negative, its integral {tension:.1e} P")
+        if (over := weight @ np.maximum(np.abs(q) - self.problem.mu * p, 0)) > CONDITIONS:
+            raise ContactNotConverged(f"Q = {state.Q:g} P: q exceeds its limit where it sticks, its integral {over:.1e} P")
+
     def _crossings(self):
         """Loads at which an edge of stick passes a place where it turned before."""
         result = []
@@ -166,6 +185,8 @@ class Branch:
         for low, high in sides:
             x, weight = smooth_rule(low, high, [*base.breaks, *base.contact, *state.contact])
             moved = state.displacements(self.problem, x) - base.displacements(self.problem, x)
+            if (back := (moved[0] * self.direction).max()) > CONDITIONS:
+                raise ContactNotConverged(f"Q = {state.Q:g} P: a point slips backwards, by {back:.1e}")
             p, q = state.tractions(x) + base.tractions(x)
             work -= weight @ (q * moved[0] + p * moved[1]) / 2
         return float(work)

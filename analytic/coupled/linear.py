@@ -27,10 +27,9 @@ def solve(problem, base, friction, edges, zone_references, Q) -> Solution:
     In stick the unknowns are differences to the state ``base`` at the turn of the load, and so are the displacements.
     """
     zones = Zones(edges, zone_references)
-    mu_p, k = friction, problem.k
-    sizes = [z.size for z in zone_references]
-    n = np.cumsum([0, sizes[0], sizes[2], sizes[1], sizes[1], 1, 1])
-    left, right, stick_p, stick_q, load_p, load_q = (slice(a, b) for a, b in zip(n, n[1:], strict=False))
+    mu_p = friction
+    n = np.cumsum([0, *[z.size for z in zone_references], 1, 1])
+    left, stick_p, right, stick_q, load_p, load_q = (slice(a, b) for a, b in zip(n, n[1:], strict=False))
     of_slip = {0: left, 2: right}
     A, b = np.zeros((n[-1], n[-1])), np.zeros(n[-1])
     _, c_l, c_r, _ = edges
@@ -39,24 +38,24 @@ def solve(problem, base, friction, edges, zone_references, Q) -> Solution:
     for target, rows in of_slip.items():
         x = zones.points[target]
         for source, columns in of_slip.items():
-            even, odd = zones.own_matrices(source) if source == target else zones.matrices(source, x)
+            even, odd = zones.own_matrices(source) if source == target else zones.matrices(source, x)[0]
             A[rows, columns] = problem.bk * even - mu_p * problem.d * odd
-        even, odd = zones.matrices(1, x)
+        (even, _), (_, odd) = zones.matrices(1, x)
         A[rows, stick_p], A[rows, stick_q] = problem.bk * even, -problem.d * odd
         A[rows, load_p] = -1
         b[rows] = -problem.height(x) - held.displacements(problem, x)[1]
     x = zones.points[1]
     for source, columns in of_slip.items():
-        even, odd = zones.matrices(source, x)
+        even, odd = zones.matrices(source, x)[0]
         A[stick_p, columns] = problem.bk * even - mu_p * problem.d * odd
         A[stick_q, columns] = mu_p * problem.gk * even + problem.d * odd
         A[load_p, columns] = zones.moments(source)
         A[load_q, columns] = mu_p * zones.moments(source)
-    even, odd = zones.own_matrices(1)
-    A[stick_p, stick_p], A[stick_p, stick_q] = problem.bk * even, -problem.d * odd
-    A[stick_q, stick_p], A[stick_q, stick_q] = problem.d * odd, problem.gk * even
+    (even_p, odd_p), (even_q, odd_q) = zones.own_matrices(1), zones.own_matrices(3)
+    A[stick_p, stick_p], A[stick_p, stick_q] = problem.bk * even_p, -problem.d * odd_q
+    A[stick_q, stick_p], A[stick_q, stick_q] = problem.d * odd_p, problem.gk * even_q
     A[stick_p, load_p] = A[stick_q, load_q] = -1
-    A[load_p, stick_p] = A[load_q, stick_q] = zones.moments(1)
+    A[load_p, stick_p], A[load_q, stick_q] = zones.moments(1), zones.moments(3)
     b[stick_p] = -base.delta_y
     b[load_q] = Q - base.Q
     for low, high in ((base.contact[0], c_l), (c_r, base.contact[1])):  # tractions at the turn that slip replaces
@@ -67,16 +66,16 @@ def solve(problem, base, friction, edges, zone_references, Q) -> Solution:
         b[load_p] += lost.loads[0]
         b[load_q] += lost.loads[1]
     u = np.linalg.solve(A, b)
-    amplitudes = _amplitudes(zones, u[left], friction * u[stick_p] - u[stick_q], u[right])
-    coefficients = u[left], u[stick_p], u[stick_q], u[right]
+    coefficients = u[left], u[stick_p], u[right], u[stick_q]
     delta_x, delta_y = base.delta_x + u[load_q][0], u[load_p][0]
-    return Solution(SlipState(base, friction, Q, zones, coefficients, delta_x, delta_y), amplitudes)
+    return Solution(SlipState(base, friction, Q, zones, coefficients, delta_x, delta_y), _amplitudes(zones, coefficients))
 
 
-def _amplitudes(zones, left, gap, right):
+def _amplitudes(zones, coefficients):
+    left, _, right, q = coefficients
     references, half = zones.references, zones.half
-    ends = [references[0].left, references[1].left, references[1].right, references[2].right]
-    parts = [left[: ends[0].size], gap[: ends[1].size], gap[ends[1].size :], right[-ends[3].size :]]
+    ends = [references[0].left, references[3].left, references[3].right, references[2].right]
+    parts = [left[: ends[0].size], -q[: ends[1].size], -q[ends[1].size :], right[-ends[3].size :]]
     tips = half[[0, 1, 1, 2]] * [end.tip for end in ends]
     exponents = np.array([end.exponents[-1] for end in ends])
     widths = 2 * half[[0, 0, 2, 2]]

@@ -58,20 +58,12 @@ def legendre(x, count):
     return P
 
 
-def graded(low, high, to_low=0.0, to_high=0.0, ratio=0.15):
-    """Break points from low to high whose panels shrink by ``ratio`` to the sizes to_low and to_high at the ends.
-
-    0 leaves an end as it is.
-    """
-    points = [low, high]
-    for end, other, smallest in ((low, high, to_low), (high, low, to_high)):
-        distance = (other - end) / 2
-        if smallest:
-            points.append(end + distance)
-            while abs(distance) * ratio > smallest:
-                distance *= ratio
-                points.append(end + distance)
-    return np.unique(points)
+def graded(low, high, to_low=0, to_high=0, ratio=0.15):
+    """Break points from low to high whose panels shrink by ``ratio`` so many times towards the ends, from the middle."""
+    half = (high - low) / 2
+    points = [[low, low + half, high]] if to_low or to_high else [[low, high]]
+    points += [low + half * ratio ** np.arange(1, to_low + 1), high - half * ratio ** np.arange(1, to_high + 1)]
+    return np.unique(np.concatenate(points))
 
 
 class Panels:

@@ -1,7 +1,7 @@
 """The coupled contact problem without units, and its state after the normal stage."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -14,8 +14,7 @@ from .panels import GAUSS, Panels, even_kernel, graded
 from .tractions import Source
 from .zone import ReferenceZone
 
-CORNER = 1e-6  # smallest panel at a point where the profile is not smooth, over the half-width of the contact
-SAMPLED = 0.4  # ratio of the panels on which the pressure of the normal stage is interpolated
+LEVELS, RATIO = 15, 0.4  # of the panels on which the pressure of the normal stage is integrated or interpolated
 
 
 @dataclass(frozen=True)
@@ -36,17 +35,29 @@ class Problem:
     def __post_init__(self):
         object.__setattr__(self, "_zones", {})
 
-    def displacements(self, even, odd, p, q):
-        """u_x and u_y from the integrals of R and O, whose last axis p and q share, [X6]."""
-        return self.gk * even @ q + self.d * odd @ p, self.bk * even @ p - self.d * odd @ q
+    def with_order(self, order):
+        """The same problem with another basis."""
+        return replace(self, order=order)
 
-    def zone(self, kind, friction, levels):
-        """Reference zone: kind 0, 2 of slip at the left, right edge of contact, 1 of stick; levels at both ends."""
-        key = kind, friction, *levels
+    def displacements(self, even_p, odd_p, even_q, odd_q):
+        """u_x and u_y from the integrals of R and O over p and q, [X6]."""
+        return self.gk * even_q + self.d * odd_p, self.bk * even_p - self.d * odd_q
+
+    def zone(self, expansion, friction, levels):
+        """Reference zone of one of the expansions of ``tractions.ZONE``, with panels of these levels at both ends.
+
+        Where slip has q = friction p. The last exponents of p at the edges of contact and of q at those of stick are
+        of tractions without bound, which the right edges do not have.
+        """
+        key = expansion, friction, *levels
         if key not in self._zones:
-            minus, plus = (edge_exponent(self.k, self.bk, self.d, s * friction) - 1 for s in (-1, 1))
-            # the last exponent is that of tractions without bound, which the right edges do not have
-            ends = [((minus,), (0.0, plus)), ((0.0, plus), (0.0, minus)), ((0.0, minus), (plus,))][kind]
+            minus, plus = (edge_exponent(self.k, self.bk, self.d, s * friction) for s in (-1, 1))
+            ends = [
+                ((minus - 1,), (0.0, plus)),
+                ((0.0, plus), (0.0, minus)),
+                ((0.0, minus), (plus - 1,)),
+                ((0.0, plus - 1), (0.0, minus - 1)),
+            ][expansion]
             left, right = zip(ends, levels, strict=True)
             self._zones[key] = ReferenceZone(left, right, self.order, self.k)
         return self._zones[key]
@@ -83,7 +94,7 @@ class NormalStage:
         """Panels over 0 < x < 1 and the pressure at their nodes, without its root at the edge."""
         points = np.unique(np.abs([0.0, *self.breaks, 1.0]))
         low = points[:-1]
-        pieces = [graded(a, b, CORNER * (not self.smooth), CORNER, SAMPLED) for a, b in zip(low, points[1:], strict=True)]
+        pieces = [graded(a, b, LEVELS * (not self.smooth), LEVELS, RATIO) for a, b in zip(low, points[1:], strict=True)]
         panels = Panels.between(np.unique(np.concatenate(pieces)))
         x = panels.nodes
         return panels, self._closed.pressure(self.a * x) * self.a / self.P / self._root(x)
@@ -110,14 +121,14 @@ class NormalStage:
         points = np.array([-1.0, *self.breaks, 1.0])
         if 0.0 not in points:
             points = np.sort(np.append(points, 0.0))
-        pieces = [graded(a, b, CORNER, CORNER) for a, b in zip(points, points[1:], strict=False)]
+        pieces = [graded(a, b, LEVELS, LEVELS, RATIO) for a, b in zip(points, points[1:], strict=False)]
         panels = Panels.between(np.unique(np.concatenate(pieces)))
         kernel = panels.matrices(np.zeros(1), self.solid.k)[0]
         return float(self.solid.bk * (kernel @ self.tractions(panels.nodes)[0])[0])
 
     @cached_property
     def _everywhere(self):
-        return Source(self, -1.0, 1.0, CORNER, SAMPLED)
+        return Source(self, -1.0, 1.0, 0.0, RATIO)
 
     def displacements(self, problem, x):
         """u_x and u_y - delta_y at x, shape (2, n)."""
@@ -125,7 +136,7 @@ class NormalStage:
 
     def unit_of_length_shift(self):
         """R(a/y0): the kernels of ``PowerLawKernel`` have y0 for the length that is a here."""
-        return float(even_kernel(np.float64(self.a / self.solid.y0), self.solid.k))
+        return float(even_kernel(np.array([self.a / self.solid.y0]), self.solid.k)[0])
 
 
 def _is_even(power):

@@ -7,46 +7,51 @@ import numpy as np
 from .panels import NODES, TO_LEGENDRE, Panels, graded, legendre
 from .zone import RATIO
 
-KINK = 1e-4  # smallest panel at a weak singularity of the tractions, over the half-width of the contact
-FINEST, TABLE_RATIO = 1e-7, 0.35  # smallest panel of a table, and the ratio of neighbours
+KINK = 7  # times that panels shrink towards a weak singularity of the tractions
+TABLE_LEVELS, TABLE_RATIO = 18, 0.35  # the same for a table, and the ratio of neighbours
 TIP = 1e-3  # smallest panel at an edge of stick, over the half-width of the narrowest zone
+COARSE = 0.15  # ratio of panels for points outside of them
 FEATURE = 1e-4  # distance of an edge from another point of interest, over the width of the zone, taken for zero
 LEVELS = 6  # at most, of panels at an edge
 
 
+ZONE = (0, 1, 2, 1)  # of the expansions: p in slip on the left, in stick, in slip on the right, and q in stick
+
+
 class Zones:
-    """Zones of slip, stick and slip between the edges x_l < c_l < c_r < x_r, each an image of a reference zone."""
+    """Zones of slip, stick and slip between the edges x_l < c_l < c_r < x_r, images of the reference zones of ``ZONE``.
+
+    points: collocation points of the zones.
+    """
 
     def __init__(self, edges, references):
         self.edges, self.references = edges, references
         self.half = np.diff(edges) / 2
-        self.points = [a + h * z.points for a, h, z in zip(edges, self.half, references, strict=False)]
-        self._elsewhere = [
-            z.elsewhere.panels(a, h) for a, h, z in zip(edges, self.half, references, strict=False)
-        ]
+        zones = list(zip(edges[:3], self.half, references[:3], strict=True))
+        self.points = [a + h * z.points for a, h, z in zones]
+        self._elsewhere = [z.elsewhere.panels(a, h) for a, h, z in zones]
 
-    def values(self, zone, x):
-        """Basis of a zone at points x in it, shape (len(x), size)."""
+    def values(self, expansion, x):
+        """Basis of an expansion at points x in its zone, shape (len(x), size)."""
+        zone = ZONE[expansion]
         low, high, half = self.edges[zone], self.edges[zone + 1], self.half[zone]
-        return self.references[zone].values((x - low) / half, (high - x) / half)
+        return self.references[expansion].values((x - low) / half, (high - x) / half)
 
-    def moments(self, zone):
-        """∫ of the basis of a zone."""
-        return self.half[zone] * self.references[zone].moments
+    def moments(self, expansion):
+        """∫ of the basis of an expansion."""
+        return self.half[ZONE[expansion]] * self.references[expansion].moments
 
     def matrices(self, zone, x, within=False):
-        """∫ R and ∫ O over the basis of a zone at points x elsewhere, or also ``within`` it."""
+        """∫ R and ∫ O at points x outside a zone, or also ``within`` it: a pair for each of its expansions."""
         reference = self.references[zone]
-        if within:
-            panels, values = reference.within.panels(self.edges[zone], self.half[zone]), reference.within.values
-        else:
-            panels, values = self._elsewhere[zone], reference.elsewhere.values
+        panels = reference.within.panels(self.edges[zone], self.half[zone]) if within else self._elsewhere[zone]
         even, odd = panels.matrices(x, reference.k)
-        return even @ values, odd @ values
+        rules = [z.within if within else z.elsewhere for z, i in zip(self.references, ZONE, strict=True) if i == zone]
+        return [(even @ rule.values, odd @ rule.values) for rule in rules]
 
-    def own_matrices(self, zone):
-        """The same at the zone's own collocation points, from those of the reference zone."""
-        reference, h = self.references[zone], self.half[zone]
+    def own_matrices(self, expansion):
+        """The same for one expansion at its zone's collocation points, from those of the reference zone."""
+        reference, h = self.references[expansion], self.half[ZONE[expansion]]
         k = reference.k
         at_h = np.expm1(-k * np.log(h)) / k if k else -np.log(h)
         even, odd = reference.own
@@ -59,7 +64,7 @@ def references(problem, friction, edges, base):
     features = np.concatenate([edges, base.breaks, base.contact])
     half = np.diff(edges) / 2
     result = []
-    for zone in range(3):
+    for expansion, zone in enumerate(ZONE):
         levels = []
         for end in (zone, zone + 1):
             if end in (0, 3):
@@ -68,7 +73,7 @@ def references(problem, friction, edges, base):
             distance = np.abs(features - edges[end])
             nearest = distance[distance > FEATURE * half[zone]].min()
             levels.append(int(np.clip(np.ceil(np.log(nearest / half[zone]) / np.log(RATIO)), 0, LEVELS)))
-        result.append(problem.zone(zone, friction, levels))
+        result.append(problem.zone(expansion, friction, levels))
     return result
 
 
@@ -77,7 +82,7 @@ class Table:
 
     def __init__(self, state):
         points = np.array([state.contact[0], *state.breaks, state.contact[1]])
-        pieces = [graded(a, b, FINEST, FINEST, TABLE_RATIO) for a, b in zip(points, points[1:], strict=False)]
+        pieces = [graded(a, b, TABLE_LEVELS, TABLE_LEVELS, TABLE_RATIO) for a, b in zip(points, points[1:], strict=False)]
         self.panels = Panels.between(np.unique(np.concatenate(pieces)))
         values = state.tractions(self.panels.nodes).reshape(2, -1, NODES)
         self.coefficients = np.ascontiguousarray((values @ TO_LEGENDRE.T).transpose(1, 2, 0))
@@ -93,21 +98,20 @@ class Table:
 class Source:
     """Tractions of a state between two points, at Gauss nodes gathered at their weak singularities and both ends."""
 
-    def __init__(self, state, low, high, tip, ratio=0.15):
+    def __init__(self, state, low, high, tip, ratio=COARSE):
         points = np.array([low, *[x for x in state.breaks if low < x < high], high])
-        smallest = np.full(len(points), KINK)
-        smallest[[0, -1]] = [KINK if end in state.contact else tip for end in (low, high)]
-        pieces = [
-            graded(*ends, *sizes, ratio)
-            for ends, sizes in zip(zip(points, points[1:]), zip(smallest, smallest[1:]))
-        ]
+        pieces = []
+        for a, b in zip(points, points[1:], strict=False):
+            smooth = [end in (low, high) and end not in state.contact for end in (a, b)]
+            to_tip = max(0, int(np.ceil(np.log(2 * tip / (b - a)) / np.log(ratio))))
+            pieces.append(graded(a, b, *[to_tip if s else KINK for s in smooth], ratio))
         self.panels = Panels.between(np.unique(np.concatenate(pieces)))
         self.p, self.q = state.table(self.panels.nodes)
 
     def displacements(self, problem, x):
         """u_x and u_y at x, shape (2, n)."""
         even, odd = self.panels.matrices(x, problem.k)
-        return np.stack(problem.displacements(even, odd, self.p, self.q))
+        return np.stack(problem.displacements(even @ self.p, odd @ self.p, even @ self.q, odd @ self.q))
 
     @property
     def loads(self):
@@ -119,7 +123,7 @@ class SlipState:
     """Equilibrium at the load Q since the turn ``base``: slip with q = friction p, and stick between c_l and c_r.
 
     In the zones of slip p is expanded itself, in that of stick the difference to the tractions at the turn, which is
-    smooth where these are not. coefficients: of p on the left, p and q in stick, p on the right.
+    smooth where these are not. coefficients: in the order of ``ZONE``.
     """
 
     def __init__(self, base, friction, Q, zones, coefficients, delta_x, delta_y):
@@ -133,15 +137,15 @@ class SlipState:
     def tractions(self, x):
         """p and q at x, shape (2, n)."""
         result = np.zeros((2, len(x)))
-        left, p, q, right = self.coefficients
+        left, p, right, q = self.coefficients
         zone = np.searchsorted(self.zones.edges, x) - 1
         for i, c in ((0, left), (2, right)):
             here = zone == i
             result[0, here] = self.zones.values(i, x[here]) @ c
         result[1] = self.friction * result[0]
         here = zone == 1
-        values = self.zones.values(1, x[here])
-        result[:, here] = self.base.tractions(x[here]) + np.stack([values @ p, values @ q])
+        since = np.stack([self.zones.values(1, x[here]) @ p, self.zones.values(3, x[here]) @ q])
+        result[:, here] = self.base.tractions(x[here]) + since
         return result
 
     @cached_property
@@ -155,8 +159,10 @@ class SlipState:
 
     def displacements(self, problem, x):
         """u_x - delta_x and u_y - delta_y at x, shape (2, n)."""
-        left, p, q, right = self.coefficients
+        left, p, right, q = self.coefficients
         result = self._stuck.displacements(problem, x) - np.array([[self.delta_x], [self.delta_y]])
         for zone, c, s in ((0, left, self.friction * left), (1, p, q), (2, right, self.friction * right)):
-            result += problem.displacements(*self.zones.matrices(zone, x, within=True), c, s)
+            pairs = self.zones.matrices(zone, x, within=True)
+            (even, odd), (even_q, odd_q) = pairs[0], pairs[-1]
+            result += problem.displacements(even @ c, odd @ c, even_q @ s, odd_q @ s)
         return result

@@ -11,7 +11,7 @@ RATIO = 1 / 3  # of neighbouring panels, graded towards an end
 # ratio and number of the parts of the panel at an end over which the kernels are integrated, for points in the zone
 # and for points elsewhere
 WITHIN, ELSEWHERE = (0.3, 11), (0.15, 6)
-CLUSTER = 1.5  # power that gathers the collocation points at an end
+CLUSTER = 2.0  # power that gathers the collocation points at an end
 SMALLEST = 1e-30  # distance from an end that a singular power takes for zero
 
 
