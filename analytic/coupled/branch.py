@@ -185,7 +185,8 @@ class Branch:
         for low, high in sides:
             x, weight = smooth_rule(low, high, [*base.breaks, *base.contact, *state.contact])
             moved = state.displacements(self.problem, x) - base.displacements(self.problem, x)
-            if (back := (moved[0] * self.direction).max()) > CONDITIONS:
+            touching = (x > state.contact[0]) & (x < state.contact[1])
+            if (back := (moved[0] * self.direction)[touching].max()) > CONDITIONS:
                 raise ContactNotConverged(f"Q = {state.Q:g} P: a point slips backwards, by {back:.1e}")
             p, q = state.tractions(x) + base.tractions(x)
             work -= weight @ (q * moved[0] + p * moved[1]) / 2

@@ -44,13 +44,13 @@ class EdgeSolver:
     def state(self, Q, y):
         """State at Q and its variables, from the guess y. Raises ContactNotConverged."""
         load = abs(Q - self.base.Q)
-        zones = references(self.problem, self.friction, self._edges(y, load), self.base)
+        zones = references(self.problem, self.friction, self._edges(y, load), self.base, bounded=False)
 
         def solution(y):
             self.solves += 1
             return solve(self.problem, self.base, self.friction, self._edges(y, load), zones, Q)
 
-        now, best = solution(y), (np.inf, None, y)
+        now, best = solution(y), (np.inf, y)
         bounds = np.full((2, 4), [[-np.inf], [np.inf]])
         for iteration in range(ITERATIONS):
             fresh = self.jacobian is None
@@ -58,12 +58,12 @@ class EdgeSolver:
                 columns = [(solution(y + PROBE * e).amplitudes - now.amplitudes) / PROBE for e in np.eye(4)]
                 self.jacobian = np.stack(columns, axis=1)
             amplitude = np.abs(now.amplitudes).max()
-            best = min(best, (amplitude, now.state, y), key=lambda b: b[0])
+            best = min(best, (amplitude, y), key=lambda b: b[0])
             self._narrow(bounds, y, now.amplitudes)
             step = self._step(now.amplitudes, y, bounds)
             motion = load * np.abs(step * np.exp([0, y[1], y[2], 0])).max()
             if motion < SETTLED or amplitude < VANISHING or (best[0] < BORNE and iteration > PATIENCE):
-                return best[1:]
+                return self._bounded(Q, best[1]), best[1]
             new = solution(y + step)
             grown = np.abs(new.amplitudes).max() > 0.5 * amplitude
             if grown and not fresh:
@@ -72,6 +72,13 @@ class EdgeSolver:
                 self.jacobian += np.outer(new.amplitudes - now.amplitudes - self.jacobian @ step, step) / (step @ step)
             y, now = y + step, new
         raise ContactNotConverged(f"tractions without bound remain at the edges, their amplitudes are {best[0]:.1e}")
+
+    def _bounded(self, Q, y):
+        """State at the edges found, without powers that have no bound."""
+        self.solves += 1
+        edges = self._edges(y, abs(Q - self.base.Q))
+        zones = references(self.problem, self.friction, edges, self.base)
+        return solve(self.problem, self.base, self.friction, edges, zones, Q).state
 
     def _narrow(self, bounds, y, amplitudes):
         """Bounds for the widths of slip: beyond the limit of friction they are too small, below it too large."""

@@ -68,14 +68,15 @@ def solve(problem, base, friction, edges, zone_references, Q) -> Solution:
     u = np.linalg.solve(A, b)
     coefficients = u[left], u[stick_p], u[right], u[stick_q]
     delta_x, delta_y = base.delta_x + u[load_q][0], u[load_p][0]
-    return Solution(SlipState(base, friction, Q, zones, coefficients, delta_x, delta_y), _amplitudes(zones, coefficients))
+    return Solution(SlipState(base, friction, Q, zones, coefficients, delta_x, delta_y), _amplitudes(zones, coefficients, friction))
 
 
-def _amplitudes(zones, coefficients):
-    left, _, right, q = coefficients
+def _amplitudes(zones, coefficients, friction):
+    left, p, right, q = coefficients
+    gap = friction * p - q
     references, half = zones.references, zones.half
     ends = [references[0].left, references[3].left, references[3].right, references[2].right]
-    parts = [left[: ends[0].size], -q[: ends[1].size], -q[ends[1].size :], right[-ends[3].size :]]
+    parts = [left[: ends[0].size], gap[: ends[1].size], gap[ends[1].size :], right[-ends[3].size :]]
     tips = half[[0, 1, 1, 2]] * [end.tip for end in ends]
     exponents = np.array([end.exponents[-1] for end in ends])
     widths = 2 * half[[0, 0, 2, 2]]

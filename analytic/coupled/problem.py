@@ -43,21 +43,17 @@ class Problem:
         """u_x and u_y from the integrals of R and O over p and q, [X6]."""
         return self.gk * even_q + self.d * odd_p, self.bk * even_p - self.d * odd_q
 
-    def zone(self, expansion, friction, levels):
+    def zone(self, expansion, friction, levels, bounded):
         """Reference zone of one of the expansions of ``tractions.ZONE``, with panels of these levels at both ends.
 
-        Where slip has q = friction p. The last exponents of p at the edges of contact and of q at those of stick are
-        of tractions without bound, which the right edges do not have.
+        Where slip has q = friction p. Unless they are ``bounded``, the last exponents are of tractions without bound,
+        which the right edges do not have.
         """
-        key = expansion, friction, *levels
+        key = expansion, friction, bounded, *levels
         if key not in self._zones:
-            minus, plus = (edge_exponent(self.k, self.bk, self.d, s * friction) for s in (-1, 1))
-            ends = [
-                ((minus - 1,), (0.0, plus)),
-                ((0.0, plus), (0.0, minus)),
-                ((0.0, minus), (plus - 1,)),
-                ((0.0, plus - 1), (0.0, minus - 1)),
-            ][expansion]
+            minus, plus = (edge_exponent(self.k, self.bk, self.d, s * friction) - (not bounded) for s in (-1, 1))
+            stick = (0.0, plus), (0.0, minus)
+            ends = [((minus,), stick[0]), stick, (stick[1], (plus,)), stick][expansion]
             left, right = zip(ends, levels, strict=True)
             self._zones[key] = ReferenceZone(left, right, self.order, self.k)
         return self._zones[key]
@@ -128,7 +124,7 @@ class NormalStage:
 
     @cached_property
     def _everywhere(self):
-        return Source(self, -1.0, 1.0, 0.0, RATIO)
+        return Source(self, -1.0, 1.0, 1.0, RATIO)
 
     def displacements(self, problem, x):
         """u_x and u_y - delta_y at x, shape (2, n)."""

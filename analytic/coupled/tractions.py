@@ -7,8 +7,8 @@ import numpy as np
 from .panels import NODES, TO_LEGENDRE, Panels, graded, legendre
 from .zone import RATIO
 
-KINK = 7  # times that panels shrink towards a weak singularity of the tractions
-TABLE_LEVELS, TABLE_RATIO = 18, 0.35  # the same for a table, and the ratio of neighbours
+KINK = 2e-6  # smallest panel at a weak singularity of the tractions over the distance to the next
+TABLE_LEVELS, TABLE_RATIO = 11, 0.25  # times that the panels of a table shrink towards its breaks, and how much
 TIP = 1e-3  # smallest panel at an edge of stick, over the half-width of the narrowest zone
 COARSE = 0.15  # ratio of panels for points outside of them
 FEATURE = 1e-4  # distance of an edge from another point of interest, over the width of the zone, taken for zero
@@ -59,8 +59,8 @@ class Zones:
         return h * (power * even + at_h * reference.moments), h * power * odd
 
 
-def references(problem, friction, edges, base):
-    """Reference zones whose panels at the edges of stick are as small as the distances to other edges ask for."""
+def references(problem, friction, edges, base, bounded=True):
+    """Reference zones for bounded tractions, or others, whose panels at the edges of stick are as small as the distances to other edges ask for."""
     features = np.concatenate([edges, base.breaks, base.contact])
     half = np.diff(edges) / 2
     result = []
@@ -73,7 +73,7 @@ def references(problem, friction, edges, base):
             distance = np.abs(features - edges[end])
             nearest = distance[distance > FEATURE * half[zone]].min()
             levels.append(int(np.clip(np.ceil(np.log(nearest / half[zone]) / np.log(RATIO)), 0, LEVELS)))
-        result.append(problem.zone(expansion, friction, levels))
+        result.append(problem.zone(expansion, friction, levels, bounded))
     return result
 
 
@@ -83,7 +83,8 @@ class Table:
     def __init__(self, state):
         points = np.array([state.contact[0], *state.breaks, state.contact[1]])
         pieces = [graded(a, b, TABLE_LEVELS, TABLE_LEVELS, TABLE_RATIO) for a, b in zip(points, points[1:], strict=False)]
-        self.panels = Panels.between(np.unique(np.concatenate(pieces)))
+        self.points = np.unique(np.concatenate(pieces))
+        self.panels = Panels.between(self.points)
         values = state.tractions(self.panels.nodes).reshape(2, -1, NODES)
         self.coefficients = np.ascontiguousarray((values @ TO_LEGENDRE.T).transpose(1, 2, 0))
 
@@ -96,15 +97,22 @@ class Table:
 
 
 class Source:
-    """Tractions of a state between two points, at Gauss nodes gathered at their weak singularities and both ends."""
+    """Tractions of a state between two points, at Gauss nodes gathered at their weak singularities and both ends.
+
+    Between the points of a table they are polynomials, which the rule integrates without regard to where the ends are:
+    for k < 0 noise in the displacements of 1e-10 would show in the tractions.
+    """
 
     def __init__(self, state, low, high, tip, ratio=COARSE):
-        points = np.array([low, *[x for x in state.breaks if low < x < high], high])
-        pieces = []
+        breaks = getattr(state.table, "points", state.breaks)
+        points = np.array([low, *breaks[(breaks > low) & (breaks < high)], high])
+        pieces = [points]
         for a, b in zip(points, points[1:], strict=False):
-            smooth = [end in (low, high) and end not in state.contact for end in (a, b)]
-            to_tip = max(0, int(np.ceil(np.log(2 * tip / (b - a)) / np.log(ratio))))
-            pieces.append(graded(a, b, *[to_tip if s else KINK for s in smooth], ratio))
+            sizes = [1.0 if breaks is not state.breaks else KINK] * 2
+            for i, end in enumerate((a, b)):
+                if end in (low, high) and end not in state.contact:
+                    sizes[i] = min(1.0, 2 * tip / (b - a))
+            pieces.append(graded(a, b, *np.ceil(np.log(sizes) / np.log(ratio)).astype(int), ratio))
         self.panels = Panels.between(np.unique(np.concatenate(pieces)))
         self.p, self.q = state.table(self.panels.nodes)
 
