@@ -6,6 +6,7 @@ Numbers in brackets are the equations of Heß, Giesa, Riechert, Wilhayn, Appl. S
 
 from .abel import PunchSuperposition
 from .checks import UndefinedDisplacementError
+from .coupled import CoupledLoop
 from .cylinder import CylinderContact
 from .fretting import FrettingLoop
 from .half_plane.edge_estimate import contact_edges
@@ -23,6 +24,7 @@ from .tangential import UniformShift, from_displacement, from_traction
 from .two_bodies import GradedPair
 
 __all__ = [
+    "CoupledLoop",
     "CylinderContact",
     "FrettingLoop",
     "GradedHalfPlane",

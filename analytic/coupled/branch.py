@@ -7,7 +7,7 @@ from numpy.polynomial import Chebyshev
 from numpy.polynomial.legendre import leggauss
 from scipy.optimize import brentq
 
-from ..half_plane_linear import ContactNotConverged
+from ..half_plane.linear import ContactNotConverged
 from .edges import EdgeSolver, edges_of, variables_of
 from .problem import NormalStage
 

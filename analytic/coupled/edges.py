@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..half_plane_linear import ContactNotConverged
+from ..half_plane.linear import ContactNotConverged
 from .linear import solve
 from .tractions import references
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..half_plane_linear import ContactNotConverged
+from ..half_plane.linear import ContactNotConverged
 from ..material import GradedHalfPlane
 from .branch import Branch, turned_guess, uncoupled_guess
 from .problem import NormalStage

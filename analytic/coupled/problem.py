@@ -8,7 +8,7 @@ import numpy as np
 
 from ..cylinder import CylinderContact
 from ..normal import ProfileContact
-from ..surface_kernel import PowerLawKernel
+from ..half_plane.surface_kernel import PowerLawKernel
 from .exponents import edge_exponent
 from .panels import GAUSS, Panels, even_kernel, graded
 from .tractions import Source

@@ -9,6 +9,7 @@ from analytic.half_plane.state import ContactState
 from .expected_edges import half_plane_solver
 from .history import Entry
 from .simulation import Simulation
+from .springs import last_cycle
 
 Tell = Callable[[int, int], None]  # load steps done, and all of them
 NODES = (400, 300)  # the next number is tried where one does not converge
@@ -78,9 +79,7 @@ class MeshFree:
 
     def dissipated_energy(self):
         """Of the last full cycle, where there is none since first contact."""
-        cycle = self._schedule[-1].cycle
-        before = [state for state, step in zip(self._states, self._schedule) if step.cycle < cycle]
-        return self._states[-1].dissipated_energy - (before[-1].dissipated_energy if before else 0.0)
+        return last_cycle(self._states, self._schedule)
 
 
 def refined(loads: list[tuple[float, float]], friction_first: bool) -> tuple[list[tuple[float, float]], list[int]]:

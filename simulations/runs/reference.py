@@ -8,6 +8,7 @@ from typing import Protocol
 
 import numpy as np
 
+from . import step_free
 from .history import Entry, History
 from .mesh_free import MeshFree, NoReference, Tell
 from .simulation import Simulation
@@ -75,6 +76,11 @@ def of_same_physics(simulation: Simulation, tell: Tell | None = None) -> Referen
         return exact
     if kind == "closed form":
         raise NoReference("there is no closed form of this problem, and reference.kind = closed form")
+    if step_free.serves(simulation):
+        try:
+            return step_free.StepFree(simulation, tell)
+        except NoReference:  # the other solver may
+            pass
     return MeshFree(simulation, tell)
 
 

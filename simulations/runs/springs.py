@@ -10,6 +10,12 @@ from ..loading.schedule import LoadStep
 from .history import Entry
 
 
+def last_cycle(states: Sequence, schedule: Sequence[LoadStep]) -> float:
+    """Energy dissipated in the last full cycle of ``schedule``, where there is none since first contact."""
+    before = [state for state, step in zip(states, schedule) if step.cycle < schedule[-1].cycle]
+    return states[-1].dissipated_energy - (before[-1].dissipated_energy if before else 0.0)
+
+
 class Springs:
     """Closed forms (7), (18), (21) along the lines between the loads of a schedule; they have no load steps.
 
@@ -49,9 +55,7 @@ class Springs:
 
     def dissipated_energy(self) -> float:
         """Of the last full cycle, where there is none since first contact; [X4] for a cycle at constant P."""
-        cycle = self._schedule[-1].cycle
-        before = [state for state, step in zip(self._states, self._schedule) if step.cycle < cycle]
-        return self._states[-1].dissipated_energy - (before[-1].dissipated_energy if before else 0.0)
+        return last_cycle(self._states, self._schedule)
 
     def _with_finite_tip(self, entry, x, value, within):
         """``value`` at x. Under a sharp tip it is infinite: there the mean over the length of surface of the node."""

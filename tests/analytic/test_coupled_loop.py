@@ -10,7 +10,7 @@ from analytic.coupled import CoupledLoop
 from analytic.coupled.exponents import edge_exponent
 from analytic.coupled.loop import branches_of
 from analytic.coupled.panels import Panels
-from analytic.half_plane_linear import ContactNotConverged
+from analytic.half_plane.linear import ContactNotConverged
 
 MU, R, P = 0.3, 2.0, 1.5
 PROFILE = PowerProfile(1 / (2 * R), 2.0)
