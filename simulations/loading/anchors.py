@@ -22,8 +22,11 @@ from forms.contact import CLOSED, OPEN
 
 from ..fem.contact_problem import ContactProblem
 
-NEAR, FAR = 0.02, 0.3  # r is measured from here to there beyond the edge, in units of its motion in the step ...
-BESIDE = 8  # ... and beyond this many points beside it, whose displacement has the error of the facet that it cuts
+# r is measured between two distances from the edge, in units of its motion in the step. A wrong r is seen the better the
+# further out, and the edge's own r the better the closer to it; without coupling r is the same everywhere.
+COUPLED, UNCOUPLED = (0.1, 0.6), (0.5, 2.0)
+BESIDE = 8  # points beside the edge, whose displacement has the error of the facet that it cuts
+STEPS = 0.3, 3.0  # shortest and longest step of the secant method, over the defect
 SIDES = (-1, 1)  # left, right
 
 
@@ -41,13 +44,13 @@ class Surface:
 
 
 class EnteringPoints:
-    """Anchors the points that enter contact in a load step of a frictional problem.
+    """Anchors the points that enter contact in a load step of a frictional problem."""
 
-    beside: number of points beside an edge that r is not measured on, and which ``end`` leads.
-    """
-
-    def __init__(self, problem: ContactProblem, beside: int = 0):
-        self._problem, self._comm, self._beside = problem, problem.body.mesh.comm, beside
+    def __init__(self, problem: ContactProblem):
+        self._problem, self._comm = problem, problem.body.mesh.comm
+        self._is_uncoupled = problem.held is not None
+        self._window = UNCOUPLED if self._is_uncoupled else COUPLED
+        self._beside = BESIDE if self._is_uncoupled else 0  # points that r is not measured on, and which ``end`` leads
         parts = self._comm.allgather((problem.points.x, problem.points.middle))
         x, middle = (np.concatenate(part) for part in zip(*parts))
         self._order = np.lexsort((middle, x))
@@ -55,6 +58,7 @@ class EnteringPoints:
         start = sum(len(part[0]) for part in parts[: self._comm.rank])
         self._mine = np.argsort(self._order)[start : start + len(problem.points.x)]
         self._ratios = {side: Ratio() for side in SIDES}
+        self._draws = False  # anchors points that stop where the edge of stick drew them
 
     def begin(self, clearance: np.ndarray, is_first_contact: bool):
         """Keep the state before a step, and anchor open points as if they went on as in the step before.
@@ -62,8 +66,12 @@ class EnteringPoints:
         clearance: of this rank's points (m,) before the step.
         """
         memory = self._problem.memory
-        self._before = Surface(*self._gathered(memory.states_at_rest(), memory.anchors(), clearance))
+        states = memory.states_at_rest()
+        states = np.where(states == OPEN, CLOSED, states)  # all in contact stick after a frictionless stage
+        states = np.where((clearance > 0) | is_first_contact, OPEN, states)
+        self._before = Surface(*self._gathered(states, memory.anchors(), clearance))
         self._ratios = {side: Ratio(ratio.value) for side, ratio in self._ratios.items()}
+        self._draws = False
         if not is_first_contact:
             self._put(anchors_of_entering(self._x, self._before, self._before, self._ratios))
 
@@ -77,19 +85,28 @@ class EnteringPoints:
         local = problem.terms.contact_states(), problem.memory.rest_positions(), clearance
         self._after = after = Surface(*self._gathered(*local))
         (old,) = self._gathered(problem.memory.anchors())
-        measure(self._x, before, after, self._ratios, self._beside)
+        measure(self._x, before, after, self._ratios, self._window, self._beside)
         new = anchors_of_entering(self._x, before, after, self._ratios)
-        for side in SIDES:
-            stopped, positions = anchors_of_stopped(self._x, before, after, side)
-            new[stopped] = positions
-        direction = after.states - CLOSED  # in which the traction of a point is at its limit
-        slides_still = (direction != 0) & (direction * (new - after.s) >= 0)
-        counts = (after.states != OPEN) & ~slides_still
-        moved = np.abs(new - before.s)[counts].max(initial=0.0)
-        if np.abs(new - old)[counts].max(initial=0.0) <= settled * moved:
+        change = self._change(new, old)
+        if change <= settled and not self._is_uncoupled:  # the ratios have settled: what slides now does slide
+            self._draws = True
+        if self._draws:
+            for side in SIDES:
+                stopped, positions = anchors_of_stopped(self._x, before, after, side)
+                new[stopped] = positions
+            change = self._change(new, old)
+        if change <= settled:
             return False
         self._put(new)
         return True
+
+    def _change(self, new, old) -> float:
+        """Largest change of anchors over the largest motion, but of points that slide with the new ones as well."""
+        direction = self._after.states - CLOSED  # in which the traction of a point is at its limit
+        slides_still = (direction != 0) & (direction * (new - self._after.s) >= 0)
+        counts = (self._after.states != OPEN) & ~slides_still
+        moved = np.abs(new - self._before.s)[counts].max(initial=0.0)
+        return float(np.abs(new - old)[counts].max() / moved) if moved else 0.0
 
     def end(self):
         """After the points have come to rest: let open ones beside an edge follow those further out by r."""
@@ -125,15 +142,15 @@ class Ratio:
 
     def improve(self, measured: float):
         """Take in what was measured with the present value."""
-        value, defect = self.value, measured - self.value
-        self.value = measured
+        value, defect, step = self.value, measured - self.value, 1.0
         if self._last is not None and defect != self._last[1]:
             before, defect_before = self._last
-            self.value = value - defect * (value - before) / (defect - defect_before)
+            step = np.clip((value - before) / (defect_before - defect), *STEPS)
+        self.value = value + step * defect
         self._last = value, defect
 
 
-def measure(x, before: Surface, after: Surface, ratios: dict[int, Ratio], beside: int):
+def measure(x, before: Surface, after: Surface, ratios: dict[int, Ratio], window, beside: int):
     """Improve r of both edges by points (n,) at x that are open before and after."""
     for side in SIDES:
         beyond = open_points(after.states, side)
@@ -143,8 +160,8 @@ def measure(x, before: Surface, after: Surface, ratios: dict[int, Ratio], beside
         motion = abs(x[beyond[0]] - x[entered[0]])
         beyond = beyond[before.states[beyond] == OPEN]
         distance = np.abs(x[beyond] - x[beyond[0]])
-        first = min(max(np.searchsorted(distance, NEAR * motion), beside), len(beyond) - 1)
-        end = max(np.searchsorted(distance, FAR * motion), first + max(beside, 1))
+        first = min(max(np.searchsorted(distance, window[0] * motion), beside), len(beyond) - 1)
+        end = max(np.searchsorted(distance, window[1] * motion), first + max(beside, 1))
         b, a = before.at(beyond[first:end]), after.at(beyond[first:end])
         closed = b.clearance - a.clearance
         if np.all(closed > 0):

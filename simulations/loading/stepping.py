@@ -6,7 +6,7 @@ from functools import cached_property
 
 from ..fem.contact_problem import ContactProblem
 from ..solvers.newton import FORCE_TOLERANCE, Newton, NewtonResult, System
-from .anchors import BESIDE, EnteringPoints
+from .anchors import EnteringPoints
 from .fallbacks import FALLBACKS, Options
 from .schedule import NO_LOAD, Load, LoadStep
 
@@ -108,7 +108,7 @@ class LoadStepping:
 
     @cached_property
     def _entering(self):
-        return EnteringPoints(self.problem, BESIDE if self._is_uncoupled else 0)
+        return EnteringPoints(self.problem)
 
     def _start(self, problem):
         return Newton(self._system(problem), self.body.mesh.comm, tolerance=self._tolerance)
