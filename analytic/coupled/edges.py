@@ -6,12 +6,16 @@ from ..half_plane.linear import ContactNotConverged
 from .linear import solve
 from .tractions import references
 
+# Expansions with powers without bound. In q at the edges of stick and p at those of contact they show the edges best.
+# Away from the right edges p has them at the edges of stick too; with them there is less noise, and the edges are a
+# little off.
+AT_EDGES, EVERYWHERE = (0, 2, 3), (0, 1, 2, 3)
 PROBE = 1e-3  # difference of a variable for the Jacobian
 LONGEST = 0.3  # change of a variable in one step
 ITERATIONS = 40
 DECIDED = 0.3  # share of the largest amplitude at which the sign of another one counts
-SETTLED = 1e-8  # motion of the edges over the half-width of the contact at which they rest
-VANISHING = 1e-8  # amplitudes (see ``linear.Solution``) taken for zero,
+SETTLED = 1e-9  # motion of the edges over the half-width of the contact at which they rest
+VANISHING = 1e-11  # amplitudes (see ``linear.Solution``) taken for zero,
 BORNE, PATIENCE = 2e-6, 12  # and those borne after so many steps: where a stick edge comes back to a place where it
 # turned before, slip and its limit are nearly neutral, and the edge is not well determined, but p, q and slip are
 
@@ -43,14 +47,22 @@ class EdgeSolver:
 
     def state(self, Q, y):
         """State at Q and its variables, from the guess y. Raises ContactNotConverged."""
+        start = self.jacobian
+        try:
+            return self._found(Q, y, AT_EDGES)
+        except ContactNotConverged:
+            self.jacobian = start
+            return self._found(Q, y, EVERYWHERE)
+
+    def _found(self, Q, y, expansions):
+        """State and variables, with powers without bound in the ``expansions``."""
         load = abs(Q - self.base.Q)
-        zones = references(self.problem, self.friction, self._edges(y, load), self.base, bounded=False)
+        zones = references(self.problem, self.friction, self._edges(y, load), self.base, expansions)
 
         def solution(y):
-            self.solves += 1
-            return solve(self.problem, self.base, self.friction, self._edges(y, load), zones, Q)
+            return self._solution(Q, y, zones)
 
-        now, best = solution(y), (np.inf, y)
+        now, best = solution(y), (np.inf, None, y)
         bounds = np.full((2, 4), [[-np.inf], [np.inf]])
         for iteration in range(ITERATIONS):
             fresh = self.jacobian is None
@@ -58,12 +70,12 @@ class EdgeSolver:
                 columns = [(solution(y + PROBE * e).amplitudes - now.amplitudes) / PROBE for e in np.eye(4)]
                 self.jacobian = np.stack(columns, axis=1)
             amplitude = np.abs(now.amplitudes).max()
-            best = min(best, (amplitude, y), key=lambda b: b[0])
+            best = min(best, (amplitude, now.state, y), key=lambda b: b[0])
             self._narrow(bounds, y, now.amplitudes)
             step = self._step(now.amplitudes, y, bounds)
             motion = load * np.abs(step * np.exp([0, y[1], y[2], 0])).max()
             if motion < SETTLED or amplitude < VANISHING or (best[0] < BORNE and iteration > PATIENCE):
-                return self._bounded(Q, best[1]), best[1]
+                return best[1:]
             new = solution(y + step)
             grown = np.abs(new.amplitudes).max() > 0.5 * amplitude
             if grown and not fresh:
@@ -73,12 +85,9 @@ class EdgeSolver:
             y, now = y + step, new
         raise ContactNotConverged(f"tractions without bound remain at the edges, their amplitudes are {best[0]:.1e}")
 
-    def _bounded(self, Q, y):
-        """State at the edges found, without powers that have no bound."""
+    def _solution(self, Q, y, zones):
         self.solves += 1
-        edges = self._edges(y, abs(Q - self.base.Q))
-        zones = references(self.problem, self.friction, edges, self.base)
-        return solve(self.problem, self.base, self.friction, edges, zones, Q).state
+        return solve(self.problem, self.base, self.friction, self._edges(y, abs(Q - self.base.Q)), zones, Q)
 
     def _narrow(self, bounds, y, amplitudes):
         """Bounds for the widths of slip: beyond the limit of friction they are too small, below it too large."""

@@ -73,8 +73,8 @@ def solve(problem, base, friction, edges, zone_references, Q) -> Solution:
 
 def _amplitudes(zones, coefficients, friction):
     left, p, right, q = coefficients
-    gap = friction * p - q
     references, half = zones.references, zones.half
+    gap = friction * p - q if references[1].left.exponents == references[3].left.exponents else -q
     ends = [references[0].left, references[3].left, references[3].right, references[2].right]
     parts = [left[: ends[0].size], gap[: ends[1].size], gap[ends[1].size :], right[-ends[3].size :]]
     tips = half[[0, 1, 1, 2]] * [end.tip for end in ends]

@@ -43,17 +43,19 @@ class Problem:
         """u_x and u_y from the integrals of R and O over p and q, [X6]."""
         return self.gk * even_q + self.d * odd_p, self.bk * even_p - self.d * odd_q
 
-    def zone(self, expansion, friction, levels, bounded):
+    def zone(self, expansion, friction, levels, without_bound=()):
         """Reference zone of one of the expansions of ``tractions.ZONE``, with panels of these levels at both ends.
 
-        Where slip has q = friction p. Unless they are ``bounded``, the last exponents are of tractions without bound,
-        which the right edges do not have.
+        Where slip has q = friction p. The expansions ``without_bound`` also have the powers less than zero with which
+        tractions end at edges that are not the right ones.
         """
-        key = expansion, friction, bounded, *levels
+        free = expansion in without_bound
+        at_stick = free and (1 in without_bound or expansion == 3)
+        key = expansion, friction, free, at_stick, *levels
         if key not in self._zones:
-            minus, plus = (edge_exponent(self.k, self.bk, self.d, s * friction) - (not bounded) for s in (-1, 1))
-            stick = (0.0, plus), (0.0, minus)
-            ends = [((minus,), stick[0]), stick, (stick[1], (plus,)), stick][expansion]
+            minus, plus = (edge_exponent(self.k, self.bk, self.d, s * friction) for s in (-1, 1))
+            stick = (0.0, plus - at_stick), (0.0, minus - at_stick)
+            ends = [((minus - free,), stick[0]), stick, (stick[1], (plus - free,)), stick][expansion]
             left, right = zip(ends, levels, strict=True)
             self._zones[key] = ReferenceZone(left, right, self.order, self.k)
         return self._zones[key]

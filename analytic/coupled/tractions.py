@@ -59,8 +59,11 @@ class Zones:
         return h * (power * even + at_h * reference.moments), h * power * odd
 
 
-def references(problem, friction, edges, base, bounded=True):
-    """Reference zones for bounded tractions, or others, whose panels at the edges of stick are as small as the distances to other edges ask for."""
+def references(problem, friction, edges, base, without_bound=()):
+    """Reference zones whose panels at the edges of stick are as small as the distances to other edges ask for.
+
+    without_bound: expansions with powers less than zero at the edges, see ``Problem.zone``.
+    """
     features = np.concatenate([edges, base.breaks, base.contact])
     half = np.diff(edges) / 2
     result = []
@@ -73,7 +76,7 @@ def references(problem, friction, edges, base, bounded=True):
             distance = np.abs(features - edges[end])
             nearest = distance[distance > FEATURE * half[zone]].min()
             levels.append(int(np.clip(np.ceil(np.log(nearest / half[zone]) / np.log(RATIO)), 0, LEVELS)))
-        result.append(problem.zone(expansion, friction, levels, bounded))
+        result.append(problem.zone(expansion, friction, levels, without_bound))
     return result
 
 
