@@ -2,13 +2,13 @@
 
 All moduli are dimensionless: depth is measured in contact half-widths ``a`` and the modulus in ``E(a)``, so that the
 power law (1) is ``E = y^k`` and carries no other constant. A modulus works on numbers, numpy arrays and UFL expressions
-alike; ``with_parameters`` gives it UFL constants in place of its numbers, so that one compiled form serves them all.
+alike; ``with_parameters`` puts UFL constants in place of its numbers, so that one compiled form serves them all.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, fields, replace
-from math import inf
-from typing import Any, Protocol
+from dataclasses import dataclass, replace
+from math import inf, isfinite
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 import ufl
@@ -18,7 +18,12 @@ from .depth_map import DepthMap
 
 
 class Modulus(Protocol):
-    """What the forms and the mesh ask of E(y). ``thickness``: depth below which E is constant."""
+    """What the forms and the mesh ask of E(y), a frozen dataclass. ``thickness``: depth below which E is constant.
+
+    parameters: names of the fields that are numbers, or UFL constants in their place.
+    """
+
+    parameters: ClassVar[tuple[str, ...]]
 
     @property
     def thickness(self) -> Any:
@@ -39,7 +44,7 @@ class Modulus(Protocol):
         """The depth coordinate in which the displacement is smooth."""
 
     def layer_mean(self, top, bottom):
-        """Exact mean of a singular E over depths ``top`` to ``bottom`` (numpy arrays), top < bottom."""
+        """Exact mean of E over depths ``top`` to ``bottom`` (numpy arrays), top < bottom."""
 
     def surface_moduli(self, h, depth: DepthMap):
         """Finite surface values ``(along, into)`` of the modulus for a first cell of height ``h``.
@@ -48,19 +53,14 @@ class Modulus(Protocol):
         """
 
 
-class Parametric:
-    """A modulus whose dataclass fields of type Any are its parameters."""
-
-    def with_parameters(self, make: Callable[[float], Expr]):
-        """The same modulus with ``make(value)`` in place of every finite parameter."""
-        names = [f.name for f in fields(self) if f.type in (Any, "Any")]  # type: ignore[arg-type]
-        values = {name: getattr(self, name) for name in names}
-        made = {name: make(value) for name, value in values.items() if np.isfinite(value)}
-        return replace(self, **made)  # type: ignore[type-var]
+def with_parameters(modulus, make: Callable[[float], Expr]):
+    """The same modulus with ``make(value)`` in place of every finite one of its ``parameters``."""
+    values = {name: getattr(modulus, name) for name in modulus.parameters}
+    return replace(modulus, **{name: make(value) for name, value in values.items() if isfinite(value)})
 
 
 @dataclass(frozen=True)
-class PowerLaw(Parametric):
+class PowerLaw:
     """``E = factor y^k`` down to ``thickness`` and constant below, -1 < k < 1; equation (1) where that is infinite.
 
     sign: of k. It decides which terms there are; the value of k is a number in them.
@@ -70,6 +70,7 @@ class PowerLaw(Parametric):
     sign: int
     factor: Any = 1.0
     thickness: Any = inf
+    parameters: ClassVar[tuple[str, ...]] = ("k", "factor", "thickness")
 
     @classmethod
     def of(cls, k: float, factor: float = 1.0, thickness: float = inf) -> "PowerLaw":
@@ -120,14 +121,15 @@ class PowerLaw(Parametric):
 
 
 @dataclass(frozen=True)
-class Coating(Parametric):
+class Coating:
     """E from ``surface`` to ``substrate`` over ``thickness``, constant below; linear, or exponential where asked."""
 
     surface: Any
     substrate: Any
     thickness: Any
     exponential: bool = False
-    is_singular = False
+    is_singular: ClassVar = False
+    parameters: ClassVar[tuple[str, ...]] = ("surface", "substrate", "thickness")
 
     @property
     def surface_factor(self):
@@ -144,6 +146,21 @@ class Coating(Parametric):
     def depth_map(self) -> DepthMap:
         """The depth itself: E is finite on the surface."""
         return DepthMap()
+
+    def layer_mean(self, top, bottom):
+        """Exact mean of E over depths ``top`` to ``bottom`` (numpy arrays), top < bottom."""
+        h = self.thickness
+        below = (bottom - up_to(h, bottom)) - (top - up_to(h, top))
+        return (self._integral(up_to(h, bottom)) - self._integral(up_to(h, top)) + self.substrate * below) / (
+            bottom - top
+        )
+
+    def _integral(self, y):
+        """Integral of E from the surface to y <= thickness."""
+        share, contrast = y / self.thickness, self.substrate / self.surface
+        if self.exponential and contrast != 1.0:
+            return self.surface * self.thickness * np.expm1(share * np.log(contrast)) / np.log(contrast)
+        return y * (self.surface + (self.substrate - self.surface) * share / 2)
 
     def surface_moduli(self, h, depth: DepthMap):
         """E on the surface, twice."""

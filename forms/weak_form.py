@@ -82,7 +82,8 @@ class NitscheParameters:
 class Contact:
     """The contact tractions ``tractions[Y]`` = p and ``tractions[X]`` = q, and what else is known at a surface point.
 
-    state: ``contact.contact_state``; clearance: None where the pressure is held; sliding, beyond_limit, rest, released: None without friction.
+    state: ``contact.contact_state``; clearance: None where the pressure is held; sliding, beyond_limit, rest, released:
+    None without friction.
     """
 
     t: Any

@@ -13,31 +13,34 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
-    from .api import Result, make_scene, run
+    from .api import Result, run
     from .loading.stepping import SolveError
-    from .run.comparison import compare
-    from .run.reference import closed_form, of_same_physics
-    from .run.simulation import Simulation
-    from .scene.language import SceneError
-    from .scene.scene import DEFAULT_SCENE, Scene, language, parse, resolve
+    from .runs.checks import ChecksWarning
+    from .runs.comparison import compare
+    from .runs.reference import closed_form, of_same_physics
+    from .runs.simulation import Simulation
+    from .scene import DEFAULT_SCENE, Scene, SceneError, language, make_scene, parse
+    from .studies.sweeping import sweep
 
 _EXPORTS = {
-    "compare": "run.comparison",
-    "SceneError": "scene.language",
+    "ChecksWarning": "runs.checks",
+    "compare": "runs.comparison",
+    "SceneError": "scene",
     "Result": "api",
-    "make_scene": "api",
+    "make_scene": "scene",
     "run": "api",
     "SolveError": "loading.stepping",
-    "closed_form": "run.reference",
-    "of_same_physics": "run.reference",
-    "DEFAULT_SCENE": "scene.scene",
-    "Scene": "scene.scene",
-    "language": "scene.scene",
-    "parse": "scene.scene",
-    "resolve": "scene.scene",
-    "Simulation": "run.simulation",
+    "closed_form": "runs.reference",
+    "of_same_physics": "runs.reference",
+    "DEFAULT_SCENE": "scene",
+    "Scene": "scene",
+    "language": "scene",
+    "parse": "scene",
+    "Simulation": "runs.simulation",
+    "sweep": "studies.sweeping",
 }
 __all__ = [
+    "ChecksWarning",
     "DEFAULT_SCENE",
     "Result",
     "Scene",
@@ -50,8 +53,8 @@ __all__ = [
     "make_scene",
     "of_same_physics",
     "parse",
-    "resolve",
     "run",
+    "sweep",
 ]
 
 

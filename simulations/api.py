@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -10,25 +11,10 @@ from typing import Any
 import numpy as np
 from mpi4py import MPI
 
-from .run import comparison, reference
-from .run.history import Entry
-from .run.simulation import Simulation
-from .scene.scene import DEFAULT_SCENE, THICKNESS, Y0, Scene, resolve
-from .scene.text import flatten, read_keys
-
-
-def make_scene(changes: Mapping[str, Any] | None = None, base: str | Scene | None = DEFAULT_SCENE) -> Scene:
-    """A checked scene: ``base`` (TOML text, a Scene, or None for nothing) with changed keys; or a SceneError.
-
-    changes: ``{"solid.k": 0.5}`` or tables, ``{"solid": {"k": 0.5}}``; a key that is None is taken out.
-    """
-    given = {} if base is None else dict(base.values if isinstance(base, Scene) else read_keys(base))
-    new = flatten(dict(changes or {}))
-    for pair in (Y0, THICKNESS):
-        if any(new.get(name) is not None for name in pair):
-            given = {name: value for name, value in given.items() if name not in pair}
-    given |= new
-    return resolve({name: value for name, value in given.items() if value is not None})
+from .runs import checks, comparison, reference
+from .runs.history import Entry
+from .runs.simulation import Simulation
+from .scene import DEFAULT_SCENE, Scene, make_scene
 
 
 @dataclass(frozen=True)
@@ -102,6 +88,13 @@ class Result:
         """Of the last full cycle, or of everything where there is none, J/m."""
         return self.simulation.history.dissipated_energy * self.simulation.scaled.scales.energy
 
+    @cached_property
+    def checks(self) -> dict[str, checks.Check]:
+        """What the run is checked for after the solve, by name: value, limit, and whether it ``holds``."""
+        simulation = self.simulation
+        coupled = "coupling" in simulation.effects or not simulation.scene.friction
+        return checks.check(simulation.history, simulation.scaled.indenter.height, coupled)
+
     def errors(self) -> dict[str, float]:
         """Relative deviations from what has the same physics; reference.NoReference where there is none."""
         return comparison.compare(self.simulation.history, reference.of_same_physics(self.simulation))
@@ -115,11 +108,16 @@ def run(
 ) -> Result:
     """Run a Scene, or ``make_scene(changes, base)``, to its end; no files. SolveError where there is no solution.
 
-    comm: every rank of it calls ``run`` and gets the whole result; progress: called with each entry of the history.
+    Where checks of the result fail, a ``ChecksWarning`` names them (``warnings.simplefilter("error", ChecksWarning)``
+    makes it an error). comm: every rank of it calls ``run`` and gets the whole result; progress: called with each entry
+    of the history.
     """
     scene = changes if isinstance(changes, Scene) else make_scene(changes, base)
     simulation = Simulation(comm, scene)
     for entry in simulation.run():
         if progress:
             progress(entry)
-    return Result(simulation)
+    result = Result(simulation)
+    if not checks.hold(result.checks):
+        warnings.warn(checks.describe(result.checks), checks.ChecksWarning, stacklevel=2)
+    return result

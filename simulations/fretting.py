@@ -1,63 +1,81 @@
 """Press a rigid cylinder onto a graded half-plane and rock it:  python -m simulations.fretting [SCENE.toml]."""
 
-import sys
+import shlex
 
-from .command.command import comm, on_root, read_request, run, say, set_petsc_options
+from .command.arguments import Request, read_request, set_petsc_options
+from .command.command import comm, on_root, run, say
 from .command.progress import Progress
+from .command.stopping import stopping
+from .fem import parallel
 from .output import checkpoint
-from .output.files import write_summary
-from .output.results import Results, begin, files
-from .run.estimate import coarser, estimated, expectation
-from .run.explain import explain
-from .run.simulation import Simulation
-from .scene.scene import DEFAULT_SCENE
+from .output.files import OutputError, write_summary
+from .output.folder import begin, claimed, files
+from .output.results import Results
+from .runs.checks import ChecksFailed
+from .runs.comparison import QUANTITIES
+from .runs.estimate import coarser, estimated, expectation
+from .runs.explain import explain
+from .runs.reference import expected_seconds
+from .runs.simulation import Simulation
+from .runs.timing import Stopwatch
+from .scene import DEFAULT_SCENE
 
 
 def main(arguments: list[str], program: str = "simulations.fretting", description=__doc__, default=DEFAULT_SCENE):
     """Read the scene, run it, keep what it yields, and print the results beside the closed form."""
     request = on_root(lambda: read_request(arguments, program, description, default))
-    saved, folder = request.saved, request.output
-    if saved and saved.complete:
+    set_petsc_options(request.petsc)
+    if request.explain:
+        say(explain(Simulation(comm, request.scene)))
+        return
+    folder = request.output
+    if request.resume and on_root(lambda: checkpoint.is_complete(folder)):
         say(f"{folder} is complete: nothing is left to do")
         return
-    if not request.explain and not saved:
-        on_root(lambda: begin(folder, request.scene))
-    if not request.quiet:
-        say("preparing mesh and forms (the first run compiles them, some ten seconds)")
-    set_petsc_options(request.petsc)
-    simulation = Simulation(comm, request.scene, saved.cells if saved else None)
-    if request.explain:
-        say(explain(simulation))
-        return
+    with claimed(comm, folder, request.scene_file, request.overwrite, request.resume):
+        stopping.tell(f"start again with {request.command}")
+        progress = Progress(request.quiet)
+        simulation = prepare(request, progress)
+        again = f"python -m {program} --resume {shlex.quote(str(folder))}"
+        go(simulation, folder, progress, again)
+
+
+def prepare(request: Request, progress: Progress) -> Simulation:
+    """A simulation that is ready to run, where an earlier run was left if there is one. Writes nothing before that."""
+    saved = on_root(lambda: checkpoint.load(request.output)) if request.resume else None
+    watch = Stopwatch(progress.phase)
+    simulation = Simulation(comm, request.scene, saved.cells if saved else None, watch=watch)
     if saved and saved.increments:
         checkpoint.restore(saved, simulation)
-    go(simulation, folder, request.quiet, f"python -m {program} --resume {folder}")
+    elif not saved:
+        parallel.on_root(comm, lambda: begin(request.output, request.scene), OutputError)
+    return simulation
 
 
-def go(simulation: Simulation, folder, quiet: bool, again: str):
+def go(simulation: Simulation, folder, progress: Progress, again: str):
     """Run to the end, with files in ``folder`` and progress; ``again`` is the command that goes on if it stops."""
-    progress = Progress(simulation, quiet)
-    title = simulation.scene["title"] or "fretting"
+    title = simulation.scene.title or "fretting"
     progress.say(f"{title}: {simulation.body.unknowns} unknowns, {comm.size} rank(s)")
-    if "solver.accuracy" in simulation.scene.values:
+    if simulation.scene.solver.accuracy is not None:
         progress.say(expectation(simulation.scene))
+    progress.begin(simulation, expected_seconds(simulation))
     if simulation.history.entries:
         progress.say(f"going on after increment {len(simulation.history.entries)}/{progress.total}")
-    try:
-        with Results(folder, simulation, again) as results:
-            for entry in simulation.run():
-                results.record(entry)
-                progress.step(entry)
-    except KeyboardInterrupt as stop:
-        say(f"{stop or 'interrupted'}; go on with {again}", file=sys.stderr)
-        raise
-    if "solver.accuracy" in simulation.scene.values:
+    with Results(folder, simulation, again, progress.reference) as results:
+        stopping.tell(f"go on with {again}", results.keep)
+        for entry in simulation.run():
+            results.record(entry)
+            progress.step(entry)
+    stopping.tell(f"the run is done: {folder}")
+    if simulation.scene.solver.accuracy is not None:
         judge(simulation, results, folder, progress)
     if comm.rank == 0:
         progress.say(f"\n{results.table()}")
         seconds = "  ".join(f"{phase} {value:.1f} s" for phase, value in results.summary["seconds"].items())
         progress.say(f"{results.summary['newton_iterations']} Newton iterations;  {seconds}")
         progress.say(f"written to {folder}: {', '.join(files())}")
+    if results.failing:
+        raise ChecksFailed(results.failing)
 
 
 def judge(simulation: Simulation, results: Results, folder, progress: Progress):
@@ -65,21 +83,25 @@ def judge(simulation: Simulation, results: Results, folder, progress: Progress):
     and keep it.
     """
     scene = simulation.scene
-    errors = comm.bcast(results.summary.get("errors")) if scene.has_closed_form else None
-    exact = errors is not None
-    if not exact:
+    exact = results.findings.exact if results.findings and simulation.effects.has_closed_form else None
+    errors = comm.bcast({name: e for name, e in exact.deviations.items() if name in QUANTITIES} if exact else None)
+    worst = comm.bcast(exact.worst if exact else None)
+    is_estimate = errors is None
+    if errors is None:
         progress.say("second mesh, for the estimate of the error")
         other, ratio = coarser(comm, scene)
-        errors = estimated(simulation, other.run_to_end(), ratio)
-    name, largest = max(((name, abs(value)) for name, value in errors.items()), key=lambda item: item[1])
-    wanted, kind = scene["solver.accuracy"], "found" if exact else "estimated, not measured"
-    verdict = "within" if largest <= wanted else "NOT within"
-    progress.say(f"largest error {largest:.1e} ({name}; {kind}): {verdict} {wanted:g}")
+        errors, worst = estimated(simulation, other.run_to_end(), ratio)
+    wanted, kind = scene.solver.accuracy, "estimated, not measured" if is_estimate else "found"
+    for found, where in ((errors, "last state"), (worst, "worst state")):
+        name, largest = max(((name, abs(value)) for name, value in found.items()), key=lambda item: item[1])
+        verdict = "within" if largest <= wanted else "NOT within"
+        progress.say(f"largest error of the {where} {largest:.1e} ({name}; {kind}): {verdict} {wanted:g}")
     if comm.rank == 0:
         results.summary["accuracy"] = {
             "wanted": wanted,
-            "largest_error": largest,
-            "is_estimate": not exact,
+            "largest_error": max(map(abs, errors.values())),
+            "largest_error_worst_state": max(map(abs, worst.values())),
+            "is_estimate": is_estimate,
             "errors": errors,
         }
         write_summary(folder / "summary.json", results.summary)

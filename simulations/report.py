@@ -11,7 +11,7 @@ import matplotlib.pyplot as plt
 
 from .command.command import Parser, on_root, run, say
 from .output.files import write_text
-from .scene.language import SceneError, shown
+from .scene import SceneError, shown
 
 PAGE = "report.html"
 STYLE = """body{font:15px/1.5 sans-serif;max-width:62em;margin:2em auto;padding:0 1em;color:#222}

@@ -38,6 +38,11 @@ def coarse_overrides(**changes) -> tuple[str, ...]:
     return tuple(f"{key}={value}" for key, value in keys.items())
 
 
+def environment() -> dict[str, str]:
+    """Environment of a command started by a test."""
+    return os.environ | MPI_ENVIRONMENT | {"PYTHONPATH": str(ROOT)}
+
+
 def run_command(
     *arguments, ranks: int = 1, cwd=ROOT, timeout=600, module="simulations.fretting"
 ) -> subprocess.CompletedProcess:
@@ -45,9 +50,8 @@ def run_command(
     command = [sys.executable, "-m", module, *map(str, arguments)]
     if ranks > 1:
         command = [shutil.which("mpirun"), "-n", str(ranks), *command]
-    environment = os.environ | MPI_ENVIRONMENT | {"PYTHONPATH": str(ROOT)}
     return subprocess.run(
-        command, cwd=cwd, env=environment, timeout=timeout, text=True, capture_output=True, stdin=subprocess.DEVNULL
+        command, cwd=cwd, env=environment(), timeout=timeout, text=True, capture_output=True, stdin=subprocess.DEVNULL
     )
 
 

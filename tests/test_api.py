@@ -2,6 +2,7 @@
 
 import re
 import runpy
+import warnings
 
 import numpy as np
 import pytest
@@ -10,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import simulations
-from simulations import SceneError, make_scene, parse, run
-from simulations.scene.language import SceneError as OneError
+from simulations import ChecksWarning, SceneError, make_scene, parse, run
+from simulations.scene import SceneError as OneError
 
 QUICK = COARSE | {"load.cycles": 0}
 
@@ -39,14 +40,32 @@ def test_a_run_gives_arrays_and_leaves_no_files(tmp_path, monkeypatch):
     assert list(tmp_path.iterdir()) == []
 
 
+def test_run_stays_a_function_whatever_was_imported_before():
+    from simulations import Simulation, run
+
+    assert Simulation and len(run(QUICK).x) > 10
+
+
+def test_checks_that_fail_are_a_warning(monkeypatch):
+    assert all(check.holds for check in run(QUICK).checks.values())
+    monkeypatch.setattr("simulations.runs.checks.OPEN", -1.0)
+    with pytest.warns(ChecksWarning, match="checks that fail: gap >= 0"):
+        result = run(QUICK)
+    assert not result.checks["gap >= 0"].holds
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", ChecksWarning)
+        with pytest.raises(ChecksWarning):
+            run(QUICK)
+
+
 def test_scenes_are_made_of_keys_or_tables():
     one = make_scene({"solid.k": 0.5, "load": {"amplitude": 0.6}})
-    assert one["solid.k"] == 0.5 and one["load.amplitude"] == 0.6
+    assert one.solid.k == 0.5 and one.load.amplitude == 0.6
     assert make_scene(base=one) == one
-    assert make_scene({"solid.y0": 0.5}, one)["solid.y0"] == 0.5
-    assert make_scene({"solid.nu": 0.3}, parse(one.to_toml()))["solid.nu"] == 0.3
+    assert make_scene({"solid.y0": 0.5}, one).solid.y0 == 0.5
+    assert make_scene({"solid.nu": 0.3}, parse(one.to_toml())).solid.nu == 0.3
     without = make_scene({"load.mu": None, "load.amplitude": None, "load.cycles": None})
-    assert without["effects.friction"] is False
+    assert without.effects.friction is False
     with pytest.raises(SceneError, match="did you mean solid.k"):
         make_scene({"solid": {"K": 0.5}})
     with pytest.raises(SceneError, match="solid.E0 is missing"):

@@ -2,13 +2,13 @@
 
 import json
 import re
+from pathlib import Path
 
 import pytest
 from conftest import ROOT, coarse_arguments
 
-from forms import contact, elasticity
+from forms import contact, elasticity, weak_form
 from simulations import fretting
-from simulations.scene.scene import language
 
 
 def rows(path, columns):
@@ -16,17 +16,6 @@ def rows(path, columns):
     lines = (line for line in (ROOT / path).read_text().splitlines() if line.startswith("| `"))
     cells = ([cell.strip() for cell in re.split(r"(?<!\\)\|", line)[1:-1]] for line in lines)
     return [row for row in cells if len(row) == columns]
-
-
-def test_every_key_is_documented_as_it_is():
-    documented = {row[0].strip("`"): row for row in rows("docs/scene.md", 5)}
-    keys = language()
-    assert list(documented) == list(keys)
-    for name, key in keys.items():
-        _, unit, allowed, default, meaning = documented[name]
-        assert allowed == key.allowed, name
-        assert default == ("" if key.default is None else f"`{json.dumps(key.default)}`"), name
-        assert meaning, name
 
 
 @pytest.mark.parametrize("changes", [{}, {"solid__nu": 0.3}], ids=["closed form", "coupled"])
@@ -51,11 +40,26 @@ def test_the_schema_of_the_summary(changes, tmp_path):
 
 def test_the_forms_named_are_there():
     text = (ROOT / "docs" / "method.md").read_text()
-    for line in re.findall(r" {3}\(([a-z_]+(?:, [a-z_]+)*)\)$", text, re.M):
-        for name in line.split(", "):
-            assert hasattr(contact, name) or hasattr(elasticity, name), name
+    modules = {"contact": contact, "elasticity": elasticity, "weak_form": weak_form}
+    named = re.findall(r"`(contact|elasticity|weak_form)\.(\w+)`", text)
+    assert len(named) >= 12
+    for module, name in named:
+        assert hasattr(modules[module], name), name
     for path in re.findall(r"`((?:forms|simulations|analytic)/\w+\.py)`", text):
         assert (ROOT / path).exists(), path
+
+
+def test_the_weak_form_has_the_numbers_of_the_document():
+    """Each term (F1), (F2) ... stands in both, in the code beside a function that the document names for it."""
+    rows = re.findall(r"^\| \((F\d+)\) \| .* \| (.*) \|$", (ROOT / "docs" / "method.md").read_text(), re.M)
+    assert [number for number, _ in rows] == [f"F{n}" for n in range(1, 13)]
+    code = Path(weak_form.__file__).read_text()
+    assert set(re.findall(r"# \((F\d+)\)$", code, re.M)) == {number for number, _ in rows}
+    for number, functions in rows:
+        where = [m.start() for m in re.finditer(rf"# \({number}\)$", code, re.M)]
+        for name in re.findall(r"`\w+\.(\w+)`", functions):
+            near = [code[max(0, place - 700) : place] for place in where]
+            assert any(name in text for text in near), (number, name)
 
 
 def test_links_lead_somewhere():

@@ -1,4 +1,4 @@
-"""Imports point one way: a room knows only the rooms named before it, and nobody imports another file's private name."""
+"""Imports point one way: a room knows only the rooms named before it. Private names stay in their file."""
 
 import ast
 from pathlib import Path
@@ -14,7 +14,7 @@ ROOMS = (
     "simulations.fem",
     "simulations.solvers",
     "simulations.loading",
-    "simulations.run",
+    "simulations.runs",
     "simulations.output",
     "simulations.command",
     "simulations.studies",

@@ -1,37 +1,55 @@
-"""What a run says while it goes: a line an increment with the time left; on a terminal one line, written over."""
+"""What a run says while it goes: each phase and its seconds, a line an increment with the time left; on a terminal one
+line, written over.
+"""
 
 import os
 import shutil
 import sys
 import time
 
-from ..run.simulation import Simulation
+from ..runs.simulation import Simulation
 from .command import say
 
 LAUNCHED = ("PMIX_RANK", "PMI_RANK", "OMPI_COMM_WORLD_RANK")  # mpirun's ranks have a terminal even where it has none
+PHASES = {  # those that are announced, by name on the stopwatch
+    "mesh": "mesh",
+    "forms": "forms (compiled the first time, which takes about a minute)",
+    "reference": "reference",
+    "files": "picture",
+}
+SELDOM = 5.0  # s between two words of the reference
+FILES = 1.0  # s at the end
 
 
 class Progress:
     """Lines on rank 0's standard output; nothing at all where ``quiet``."""
 
-    def __init__(self, simulation: Simulation, quiet: bool = False):
-        self.simulation, self.quiet = simulation, quiet
-        self.total, self._first = len(simulation.programme), len(simulation.history.entries)
-        self._start = time.perf_counter()
+    def __init__(self, quiet: bool = False):
+        self.quiet = quiet
         self._live = not quiet and sys.stdout.isatty() and not any(name in os.environ for name in LAUNCHED)
+
+    def begin(self, simulation: Simulation, afterwards: float = 0.0):
+        """The increments are about to begin; ``afterwards`` the seconds that are expected after the last of them."""
+        self.simulation, self._afterwards = simulation, afterwards + FILES
+        self.total, self._first = len(simulation.schedule), len(simulation.history.entries)
+        self._start = time.perf_counter()
 
     def say(self, text: str):
         """A line of its own."""
         if not self.quiet:
             say(text)
 
+    def phase(self, name: str, seconds: float | None):
+        """A phase begins (seconds None) or has ended."""
+        if name in PHASES and not self.quiet:
+            say(f"{PHASES[name]} ... " if seconds is None else duration(seconds), end="" if seconds is None else "\n")
+
     def step(self, entry):
         """The increment just done."""
         done = len(self.simulation.history.entries)
         line = f"{done:4d}/{self.total}  {describe(entry, self.simulation)}"
-        if done < self.total:
-            each = (time.perf_counter() - self._start) / (done - self._first)
-            line += f", {duration(each * (self.total - done))} left"
+        each = (time.perf_counter() - self._start) / (done - self._first)
+        line += f", {duration(each * (self.total - done) + self._afterwards)} left"
         if not self._live:
             self.say(line)
             return
@@ -39,9 +57,21 @@ class Progress:
         width = shutil.get_terminal_size().columns - 1
         say(f"\r\x1b[K{line if stays else line[:width]}", end="\n" if stays else "")
 
+    def reference(self, done: int, total: int):
+        """An increment of the reference is done: said when the reference takes long."""
+        now = time.perf_counter()
+        if done == 1:
+            self._reference_start = self._said = now
+        elif now - self._said > SELDOM and not self.quiet:
+            self._said = now
+            left = (now - self._reference_start) / (done - 1) * (total - done)
+            say(f"{done}/{total}, {duration(left)} left ... ", end="")
+
 
 def duration(seconds: float) -> str:
-    """Seconds in words: 8 s, 12 min, 3 h 20 min."""
+    """Seconds in words: 0.3 s, 8 s, 12 min, 3 h 20 min."""
+    if seconds < 0.95:
+        return f"{seconds:.1f} s"
     if seconds < 99.5:
         return f"{seconds:.0f} s"
     minutes = round(seconds / 60)

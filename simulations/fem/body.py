@@ -11,6 +11,7 @@ from dolfinx import fem
 
 from forms import elasticity, weak_form
 from forms.contact import X, Y
+from forms.modulus import with_parameters
 
 from .mesh import FAR, SURFACE, SYMMETRY
 from .spaces import create_spaces
@@ -46,7 +47,7 @@ class ElasticBody:
         self.translations = [self._translation(i) for i in (X, Y)]
 
         self.nu, self.cell_height = self.constant(nu), cell_heights(mesh)
-        form_modulus, depth = modulus.with_parameters(self.constant), ufl.SpatialCoordinate(mesh)[1]
+        form_modulus, depth = with_parameters(modulus, self.constant), ufl.SpatialCoordinate(mesh)[1]
         self.solid = weak_form.Solid(form_modulus, self.nu, form_modulus.depth_map(), depth, self.cell_height)
 
         far = fem.locate_dofs_topological(self.displacements, 1, facets.find(FAR))

@@ -52,6 +52,7 @@ class ContactProblem:
 
     def hold_pressure(self, normal: "ContactProblem"):
         """Hold the pressure that the frictionless problem has now; its state is the body's."""
+        assert self.held and normal.terms.pressure  # which stages these are is fixed by their directions
         self.held.hold(normal.terms.pressure, normal.terms.nodal_forces(Y))  # all of them for theta = 0
 
     def _law(self, height, nitsche, mu) -> weak_form.Contact:

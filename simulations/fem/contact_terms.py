@@ -27,10 +27,9 @@ from .surface_points import PointExpression, SurfacePoints
 class ContactTerms:
     """Residual and Jacobian of the body in contact.
 
-    directions: of the contact tractions; held: pressure of the uncoupled tangential problem. ``forces`` is the
-    form of f, ``forces_form`` compiled; ``pressure`` and ``clearance`` (None where p is
-    held) evaluate these at the surface points; ``force_per_digit`` is
-    the norm of the forces that the last digits of a displacement of 1 make.
+    directions: of the contact tractions; held: pressure of the uncoupled tangential problem. ``forces`` is the form of
+    f, and ``forces_form`` the compiled one; ``pressure`` and ``clearance`` (None where p is held) evaluate these at the
+    surface points; ``force_per_digit`` is the norm of the forces that the last digits of a displacement of 1 make.
     """
 
     def __init__(self, points: SurfacePoints, law: weak_form.Contact, held: HeldPressure | None):

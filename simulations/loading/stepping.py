@@ -4,10 +4,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from forms.contact import Y
-
 from ..fem.contact_problem import ContactProblem
-from ..solvers.newton import Newton, NewtonResult, System
+from ..solvers.newton import FORCE_TOLERANCE, Newton, NewtonResult, System
 from .anchors import EnteringPoints
 from .fallbacks import FALLBACKS, Options
 from .schedule import NO_LOAD, Load, LoadStep
@@ -48,15 +46,23 @@ class LoadStepping:
 
     normal: the frictionless problem; frictional: the one that takes over when tangential loading starts, or from
     the first contact on (``friction_first``), or None; system: function from a problem to the newton.System that
-    solves it.
+    solves it; tolerance: Newton's, of forces and loads over P.
     """
 
-    def __init__(self, normal: ContactProblem, frictional: ContactProblem | None, system, friction_first=False):
+    def __init__(
+        self,
+        normal: ContactProblem,
+        frictional: ContactProblem | None,
+        system,
+        friction_first=False,
+        tolerance: float = FORCE_TOLERANCE,
+    ):
         self.problem, self.normal, self.frictional = normal, normal, frictional
         self.body, self._system = normal.body, system
-        self._friction_first = friction_first
+        self._friction_first, self._tolerance = friction_first, tolerance
         self.options = Options()
-        self._newton = self._normal_newton = None
+        self._newton: Newton = None  # type: ignore[assignment]  # made when the stage begins
+        self._normal_newton: Newton = None  # type: ignore[assignment]
         self._results: list[NewtonResult] = []
         self._ways: list[str] = []
 
@@ -106,7 +112,7 @@ class LoadStepping:
         return EnteringPoints(self.problem)
 
     def _start(self, problem):
-        return Newton(self._system(problem), self.body.mesh.comm)
+        return Newton(self._system(problem), self.body.mesh.comm, tolerance=self._tolerance)
 
     def _begin_friction(self):
         self._normal_newton, self.problem = self._newton, self.frictional

@@ -7,7 +7,7 @@ from pathlib import Path
 import meshio
 import numpy as np
 
-from ..scene.language import SceneError
+from ..scene import SceneError
 
 FIELD = "von Mises stress [Pa]"
 

@@ -1,8 +1,8 @@
 """What a killed run leaves for the next one: the states so far and the memory that the next increment needs.
 
 Two files in ``checkpoint/``. ``states.bin`` has a record of fixed size for every increment, each written once at its
-own place; ``memory.npz`` is replaced whole after every increment and says how many records count. Whatever was half
-written when the run ended is overwritten by the run that goes on.
+own place; ``memory.npz`` is replaced whole after every increment and says how many records count, with the checksum of
+each. Whatever was half written when the run ended is overwritten by the run that goes on.
 """
 
 from __future__ import annotations
@@ -12,28 +12,29 @@ import json
 import os
 import shutil
 import zipfile
+import zlib
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .. import __version__
 from ..fem.mesh import Grading
 from ..fem.surface import SurfaceState
 from ..loading.stepping import Outcome
-from ..run import memory
-from ..scene.language import SceneError
-from ..scene.scene import Scene, parse
+from ..runs import memory
+from ..scene import Scene, SceneError, one_line, parse
 from ..solvers.newton import NewtonResult
 from .files import on_disk
 
 if TYPE_CHECKING:
-    from ..run.history import Entry
-    from ..run.simulation import Simulation
+    from ..runs.history import Entry
+    from ..runs.simulation import Simulation
 
 FOLDER, SCENE = "checkpoint", "scene.toml"
 NODAL = ("pressure", "traction", "u", "delta", "neglected")
-SCALARS = ("iterations", "cuts", "residual", "imbalance", "seconds")
+SCALARS = ("iterations", "cuts", "residual", "imbalance", "seconds", "tolerance")
 
 
 def record(n: int) -> np.dtype:
@@ -45,13 +46,17 @@ def record(n: int) -> np.dtype:
 
 @dataclass(frozen=True)
 class Saved:
-    """A run as it was left: its scene, mesh grading, states (s,) of dtype ``record``, memory and seconds by phase."""
+    """A run as it was left: its scene, mesh grading, states (s,) of dtype ``record``, memory and seconds by phase.
+
+    changes: of contact states, iteration by iteration, for each of the states.
+    """
 
     scene: Scene
     cells: Grading | None = None
     states: np.ndarray | None = None
     memory: dict[str, np.ndarray] | None = None
     seconds: dict[str, float] | None = None
+    changes: tuple[tuple[int, ...], ...] = ()
     resumed: int = 0  # how many times, this one included
     complete: bool = False
 
@@ -66,6 +71,7 @@ class Checkpoint:
 
     def __init__(self, folder: Path, simulation: Simulation):
         self.simulation, self._folder = simulation, folder / FOLDER
+        self._checksums: list[int] = []  # of the records
 
     def save(self, entry: Entry):
         """Keep the state just reached, and the memory that goes with it."""
@@ -74,16 +80,15 @@ class Checkpoint:
         if kept is None:
             return
         self._folder.mkdir(exist_ok=True)
-        surface, number = entry.surface, len(simulation.history.entries)
-        row = np.zeros((), record(surface.x.size))
-        for name in NODAL:
-            row[name] = getattr(surface, name)
-        for name in SCALARS:
-            row[name] = getattr(entry, name)
+        surface, entries = entry.surface, simulation.history.entries
+        number = len(entries)
+        self._checksums += [zlib.crc32(_row(e)) for e in entries[len(self._checksums) : -1]]  # of an earlier part
+        row = _row(entry)
+        self._checksums.append(zlib.crc32(row))
         descriptor = os.open(self._folder / "states.bin", os.O_RDWR | os.O_CREAT, 0o666)
         with os.fdopen(descriptor, "r+b") as file:
-            file.seek((number - 1) * row.nbytes)
-            file.write(row.tobytes())
+            file.seek((number - 1) * len(row))
+            file.write(row)
             file.flush()
             os.fsync(descriptor)
         with on_disk(self._folder / "memory.npz") as partial:
@@ -94,7 +99,10 @@ class Checkpoint:
         watch = simulation.watch.seconds | {"total": simulation.watch.total}
         np.savez(
             archive,
+            version=__version__,
             scene=simulation.scene.to_toml(),
+            checksums=np.array(self._checksums, dtype=np.uint32),
+            changes=json.dumps([e.changes for e in simulation.history.entries]),
             number=[number, n, simulation.resumed],
             phases=list(watch),
             seconds=list(watch.values()),
@@ -113,13 +121,8 @@ def remove(folder: Path):
 
 def load(folder: Path) -> Saved:
     """The run in ``folder``; without a checkpoint its scene alone. SceneError where none is or it does not fit."""
-    try:
-        text = (folder / SCENE).read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        why = getattr(error, "strerror", "it is not text")
-        raise SceneError(f"--resume {folder} is not the folder of a run: {SCENE}: {why}") from None
-    scene = parse(text)
-    if _is_complete(folder):
+    scene = read_scene(folder)
+    if is_complete(folder):
         return Saved(scene, complete=True)
     if not (folder / FOLDER / "memory.npz").exists():
         return Saved(scene)
@@ -127,12 +130,21 @@ def load(folder: Path) -> Saved:
         content = io.BytesIO((folder / FOLDER / "memory.npz").read_bytes())  # numpy leaves a damaged file open
         with np.load(content, allow_pickle=False) as archive:
             kept = dict(archive)
+        version = str(kept.get("version", "before 0.1"))
+        if version != __version__:
+            raise _refusal(folder, f"graded-fretting {version} made it, and this is {__version__}")
         number, n, resumed = map(int, kept["number"])
         states = np.fromfile(folder / FOLDER / "states.bin", record(n), count=number)
-    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
-        raise SceneError(f"--resume {folder}: the checkpoint cannot be read: {error}".splitlines()[0]) from None
+        changes = tuple(map(tuple, json.loads(str(kept["changes"]))))
+        checksums = kept["checksums"].tolist()
+    except (OSError, ValueError, KeyError, EOFError, TypeError, zipfile.BadZipFile) as error:
+        if isinstance(error, SceneError):
+            raise
+        raise _refusal(folder, str(error)) from None
     if len(states) != number:
-        raise SceneError(f"--resume {folder}: the checkpoint cannot be read: states.bin is too short")
+        raise _refusal(folder, "states.bin is too short")
+    if checksums != [zlib.crc32(row.tobytes()) for row in states] or len(changes) != number:
+        raise _refusal(folder, "states.bin is not as it was written")
     if str(kept["scene"]) != scene.to_toml():
         raise SceneError(f"--resume {folder}: {SCENE} is not the scene of the checkpoint; it was changed afterwards")
     cells = {name: value.tolist() for name, value in _part(kept, "cells").items()}
@@ -142,18 +154,34 @@ def load(folder: Path) -> Saved:
         states,
         _part(kept, "memory"),
         dict(zip(kept["phases"].tolist(), kept["seconds"].tolist())),
+        changes,
         resumed + 1,
     )
+
+
+def read_scene(folder: Path) -> Scene:
+    """The scene of the run in ``folder``; SceneError where there is none."""
+    try:
+        return parse((folder / SCENE).read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError) as error:
+        why = getattr(error, "strerror", "it is not text")
+        raise SceneError(f"--resume {folder} is not the folder of a run: {SCENE}: {why}") from None
+
+
+def _refusal(folder, why) -> SceneError:
+    again = "start again, in another folder or with --overwrite"
+    return SceneError(f"--resume {folder}: the checkpoint cannot be read: {one_line(why)}; {again}")
 
 
 def restore(saved: Saved, simulation: Simulation):
     """Take a new Simulation to where ``saved`` was left."""
     if saved.states is None or saved.memory is None or saved.seconds is None:
         return
-    sampler, solver, done = simulation.sampler, simulation.solver, simulation.programme[: saved.increments]
-    for increment, row in zip(done, saved.states, strict=True):
+    sampler, solver, done = simulation.sampler, simulation.solver, simulation.schedule[: saved.increments]
+    for increment, row, changes in zip(done, saved.states, saved.changes, strict=True):
         surface = SurfaceState(sampler.x, sampler.weight, **{name: row[name].copy() for name in NODAL})
-        result = NewtonResult(True, int(row["iterations"]), float(row["residual"]), float(row["imbalance"]), "")
+        numbers = int(row["iterations"]), float(row["residual"]), float(row["imbalance"])
+        result = NewtonResult(True, *numbers, "", float(row["tolerance"]), changes)
         simulation.history.append(Outcome(increment, (result,), int(row["cuts"])), surface, float(row["seconds"]))
     solver.skip(done)
     memory.restore(saved.memory, solver, simulation.numbering)
@@ -161,12 +189,23 @@ def restore(saved: Saved, simulation: Simulation):
     simulation.resumed = saved.resumed
 
 
-def _is_complete(folder):
+def is_complete(folder: Path) -> bool:
+    """Whether the run in ``folder`` reached its end."""
     try:
         summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
         return summary["converged"] and not (folder / FOLDER / "memory.npz").exists()
     except (OSError, ValueError, KeyError, TypeError):
         return False
+
+
+def _row(entry: Entry) -> bytes:
+    """The record of an increment."""
+    row = np.zeros((), record(entry.surface.x.size))
+    for name in NODAL:
+        row[name] = getattr(entry.surface, name)
+    for name in SCALARS:
+        row[name] = getattr(entry, name)
+    return row.tobytes()
 
 
 def _part(kept, name):

@@ -4,6 +4,7 @@ import csv
 import io
 import json
 import os
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -11,7 +12,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from ..run.history import Entry, History
+from ..runs.history import Entry, History
 from ..scene.scaling import Scales
 
 UNITS = {
@@ -29,9 +30,12 @@ MEANING = {
     "pressure": "contact pressure",
     "traction": "tangential traction on the half-plane, positive along +Q",
     "slip": "u_x - delta_x since tangential loading began",
-    "P": "normal line load",
-    "Q": "tangential line load",
+    "P": "normal line load, as prescribed",
+    "Q": "tangential line load, as prescribed",
 }
+
+
+writing = threading.RLock()  # held while a file is written: a signal's last words wait for it
 
 
 class OutputError(RuntimeError):
@@ -42,15 +46,16 @@ class OutputError(RuntimeError):
 def on_disk(path: Path) -> Iterator[Path]:
     """A neighbour to write ``path`` to; it takes its place once whole and on the disk, or leaves no trace."""
     partial = path.with_name("part." + path.name)
-    try:
-        yield partial
-        with open(partial, "rb") as file:
-            os.fsync(file.fileno())
-        os.replace(partial, path)
-    except BaseException:
-        with suppress(OSError):
-            partial.unlink(missing_ok=True)
-        raise
+    with writing:
+        try:
+            yield partial
+            with open(partial, "rb") as file:
+                os.fsync(file.fileno())
+            os.replace(partial, path)
+        except BaseException:
+            with suppress(OSError):
+                partial.unlink(missing_ok=True)
+            raise
 
 
 @contextmanager
@@ -81,10 +86,10 @@ def write_table(path: Path, rows: list[dict], left_out: tuple[str, ...] = ()):
 
 def write_history(path: Path, history: History, scales: Scales):
     """history.csv, a row an increment."""
-    write_table(path, [_row(number, entry, scales, history.friction) for number, entry in enumerate(history.entries)])
+    write_table(path, [_row(entry, scales, history.friction) for entry in [*history.entries]])
 
 
-def _row(number: int, entry: Entry, scales: Scales, friction: bool) -> dict:
+def _row(entry: Entry, scales: Scales, friction: bool) -> dict:
     """One row by column name; without friction the columns of the tangential problem are absent."""
     increment = entry.increment
     delta_x, delta_y = entry.surface.delta * scales.displacement
@@ -97,7 +102,7 @@ def _row(number: int, entry: Entry, scales: Scales, friction: bool) -> dict:
     }
     quantities = normal | (tangential if friction else {})
     return (
-        {"increment": number, "branch": increment.branch, "cycle": increment.cycle, "state": increment.state}
+        {"increment": entry.number, "branch": increment.branch, "cycle": increment.cycle, "state": increment.state}
         | {name: f"{value:.12g}" for name, value in quantities.items()}
         | {"iterations": entry.iterations, "cuts": entry.cuts}
         | {"states_changed": " ".join(map(str, entry.changes))}  # iteration by iteration
@@ -110,7 +115,7 @@ def write_surface(path: Path, history: History, scales: Scales):
 
     Without friction traction, slip and Q are absent.
     """
-    entries = history.entries
+    entries = [*history.entries]
     data = {
         "x": entries[0].surface.x * scales.length,
         "weight": entries[0].surface.weight * scales.length,

@@ -5,12 +5,13 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 
-from ..run.history import Entry, History
-from ..run.reference import ClosedForm, Reference
-from ..run.simulation import Simulation
+from ..runs.history import Entry, History
+from ..runs.reference import Reference
+from ..runs.simulation import Simulation
+from ..runs.springs import Springs
 from .files import on_disk
+from .style import COLOURS
 
-COLOURS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#D55E00")  # colour-blind safe
 STYLES = ("-", "--")
 DOTS = 45  # computed points shown a curve
 MOST_STATES = 5
@@ -75,8 +76,8 @@ def _loop(axis, simulation, lines):
     history, mu, scaled = simulation.history, simulation.mu, simulation.scaled
     unit = mu * scaled.solid.alpha * float(scaled.indenter.height(1.0))
     for (label, line), style in zip(lines.items(), STYLES):
-        if isinstance(line, ClosedForm) and line.normal.solid.k > 0:
-            _closed_loop(axis, line.loop, unit, style, label)
+        if isinstance(line, Springs) and simulation.loop and simulation.scene.k > 0:
+            _closed_loop(axis, simulation.loop, unit, style, label)
     moving = [e for e in history.entries if e.increment.branch != "normal"]
     start = [e for e in history.entries if e.increment.branch == "normal"][-1].surface.delta[0]
     delta = np.array([e.surface.delta[0] - start for e in moving])

@@ -1,1 +1,7 @@
-"""What is asked: the scene as text and as data, checked, resolved to numbers and scaled; which effects are on, and why."""
+"""What is asked: the scene, checked, resolved to numbers and scaled; which effects are on, and why."""
+
+from .errors import SceneError, one_line, shown
+from .reading import DEFAULT_SCENE, language, make_scene, parse
+from .scene import Scene
+
+__all__ = ["DEFAULT_SCENE", "Scene", "SceneError", "language", "make_scene", "one_line", "parse", "shown"]

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from .language import SceneError
+from .errors import SceneError
 
 TABLE = Path(__file__).with_name("accuracy.csv")
 MARGIN = 1.5  # loads and gradings between those measured; a and c are read between nodes, where errors change sign

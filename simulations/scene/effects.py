@@ -4,18 +4,13 @@ To add an effect, write its integrand in ``forms/`` and an entry in ALL: the key
 is on, and the term that it adds to the virtual work.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import Any
 
-from .language import Key, SceneError
-
-if TYPE_CHECKING:
-    from .scene import Scene
-
-LOCKING = 0.47  # Poisson's ratio above which plain displacements lose to the mixed form, measured (docs/effects.md)
+from .scene import Scene
+from .settings import add_switches
+from .tables import Path
 
 
 @dataclass(frozen=True)
@@ -29,23 +24,34 @@ class Verdict:
 
 @dataclass(frozen=True)
 class Effect:
-    """One effect: its verdict on a scene, its keys in the scene language, and its term in the forms.
+    """One effect: its verdict on a scene, its keys in the table [effects], and its term in the forms.
 
+    keys: by name, each as ``(type, Field(default, description=...))``: ``scene.effects.NAME`` is then its value.
+    Those of the effects below are fields of ``EffectSwitches``.
     work: function of scene and scales that returns the term of the virtual work, itself a function
     ``(body, v) -> form`` linear in ``body.u``; None where the effect is built into the contact problem.
+    keeps_reference: True where closed forms and half-plane solver describe the physics with this effect too.
     """
 
     name: str
     judge: Callable[[Scene], Verdict]
-    keys: Mapping[str, Key] = field(default_factory=dict)
+    keys: Mapping[str, tuple[Any, Any]] = field(default_factory=dict)
     work: Callable | None = None
+    keeps_reference: bool = False
 
 
 class Effects:
-    """The effects of a scene, by name:  ``"friction" in effects``; ``verdicts`` has all of them."""
+    """The effects of a scene, by name:  ``"friction" in effects``; ``verdicts`` has all of them.
+
+    ``without_reference``: names of those that are on and that no reference describes; ``has_closed_form``: True where
+    the closed forms describe the same problem.
+    """
 
     def __init__(self, scene: Scene):
         self.verdicts = {effect.name: effect.judge(scene) for effect in ALL}
+        on = [effect for effect in ALL if effect.name in self]
+        self.without_reference = [effect.name for effect in on if not effect.keeps_reference]
+        self.has_closed_form = scene.contact_has_closed_form and not self.without_reference
 
     def __contains__(self, name: str) -> bool:
         return self.verdicts[name].on
@@ -61,16 +67,11 @@ class Effects:
         )
 
 
-def keys() -> dict[str, Key]:
-    """Keys of all effects."""
-    return {name: key for effect in ALL for name, key in effect.keys.items()}
-
-
 def grading(scene: Scene) -> Verdict:
     """E varies with depth unless it is homogeneous."""
-    if not scene["effects.grading"]:
-        return Verdict(False, "effects.grading = false", f"E = E0 = {scene['solid.E0']:g} everywhere")
-    kind, k = scene["solid.modulus"], scene.k
+    if not scene.effects.grading:
+        return Verdict(False, "effects.grading = false", f"E = E0 = {scene.solid.E0:g} everywhere")
+    kind, k = scene.solid.modulus, scene.k
     if kind in ("exponential", "linear"):
         return Verdict(True, f"{kind} coating", "E varies down to its thickness, layers in y")
     if k == 0:
@@ -83,19 +84,16 @@ def friction(scene: Scene) -> Verdict:
     """A tangential load calls for friction."""
     if not scene.friction:
         return Verdict(False, "no tangential load", "no tangential unknown, term or result")
-    load = f"Q_A = {scene['load.amplitude']:g} mu P" if scene.is_loop else "load.points"
+    load = f"Q_A = {scene.load.amplitude:g} mu P" if scene.is_loop else "load.points"
     terms = "tangential contact terms, delta_x, memory of slip"
-    return Verdict(True, f"mu = {scene['load.mu']:g}, {load}", terms)
+    return Verdict(True, f"mu = {scene.load.mu:g}, {load}", terms)
 
 
 def symmetry(scene: Scene) -> Verdict:
     """Without a tangential load the halves are mirror images."""
-    wanted = scene["effects.symmetry"]
     if scene.friction:
-        if wanted is True:
-            raise SceneError("effects.symmetry = true is not allowed: the tangential load breaks it")
         return Verdict(False, "the tangential load breaks it", "both halves are meshed")
-    if wanted is False:
+    if scene.effects.symmetry is False:
         return Verdict(False, "effects.symmetry = false", "both halves are meshed")
     return Verdict(True, "only the normal load", "the half x > 0 is meshed")
 
@@ -104,7 +102,7 @@ def coupling(scene: Scene) -> Verdict:
     """Pressure moves the surface sideways and traction moves it up and down, except at the Holl ratio."""
     if not scene.friction:
         return Verdict(False, "no tangential load", "nothing to couple")
-    if not scene["effects.coupling"]:
+    if not scene.effects.coupling:
         held = "the frictionless pressure limits the traction and does not feel it, as in the closed forms"
         return Verdict(False, "effects.coupling = false", held)
     why = "effects.coupling = true" + (", though at the Holl ratio it vanishes" if scene.is_decoupled else "")
@@ -113,32 +111,25 @@ def coupling(scene: Scene) -> Verdict:
 
 def friction_in_normal_stage(scene: Scene) -> Verdict:
     """Friction from first contact on, or only once the tangential load starts."""
-    if not (scene.friction and scene["effects.friction_in_normal_stage"]):
+    if not (scene.friction and scene.effects.friction_in_normal_stage):
         return Verdict(False, "the paper's case", "pressed on without friction")
-    if not scene["effects.coupling"]:
-        raise SceneError("effects.friction_in_normal_stage = true needs effects.coupling = true: that is its subject")
-    steps = f"P in {scene['solver.normal_increments']} increments"
+    steps = f"P in {scene.solver.normal_increments} increments"
     return Verdict(True, "effects.friction_in_normal_stage = true", steps)
 
 
 def incompressibility(scene: Scene) -> Verdict:
     """Near nu = 1/2 plain displacements lock."""
-    wanted, nu = scene["effects.incompressibility"], scene["solid.nu"]
-    if wanted is False and nu == 0.5:
-        raise SceneError("effects.incompressibility = false is not allowed at nu = 1/2: lambda is infinite")
-    if wanted is True and nu <= 0:
-        raise SceneError(f"effects.incompressibility = true is not allowed at nu = {nu:g}: lambda is not positive")
-    on = nu > LOCKING if wanted == "auto" else wanted
-    why = f"nu = {nu:.4g}" if wanted == "auto" else f"effects.incompressibility = {str(wanted).lower()}"
+    wanted, on = scene.effects.incompressibility, scene.is_mixed
+    why = f"nu = {scene.solid.nu:.4g}" if wanted == "auto" else f"effects.incompressibility = {str(wanted).lower()}"
     return Verdict(on, why, "displacements and mean stress" if on else "displacements alone")
 
 
-def load_programme(scene: Scene) -> Verdict:
+def load_schedule(scene: Scene) -> Verdict:
     """One loading, cycles, or a path."""
     if not scene.is_loop:
-        points = len(scene.values.get("load.points", [None]))
+        points = len(scene.load.points) if isinstance(scene.load, Path) else 1
         return Verdict(points > 1, f"{points} load(s)", "straight from point to point" if points > 1 else "P alone")
-    cycles = scene["load.cycles"]
+    cycles = scene.load.cycles
     if cycles == 0:
         return Verdict(False, "load.cycles = 0", "monotone, stops at +Q_A")
     return Verdict(True, f"load.cycles = {cycles}", "to +Q_A, then to -Q_A and back")
@@ -146,27 +137,38 @@ def load_programme(scene: Scene) -> Verdict:
 
 def profile(scene: Scene) -> Verdict:
     """The indenter's shape, the parabola unless another is asked for."""
-    shape = scene["indenter.profile"]
-    formula = scene.values.get("indenter.formula", "")
+    shape = scene.indenter.profile
+    formula = getattr(scene.indenter, "formula", "")
     return Verdict(shape != "parabola", f"{shape} {formula}".strip(), "nodal values of f(x), its own closed form")
 
 
-TRUTH = Key(kind=bool, default=True)
-ALL = (
-    Effect("grading", grading, {"effects.grading": TRUTH}),
-    Effect("friction", friction, {"effects.friction": TRUTH}),
-    Effect("symmetry", symmetry, {"effects.symmetry": Key(kind=bool, default="auto", word="auto")}),
-    Effect("coupling", coupling, {"effects.coupling": TRUTH}),
-    Effect(
-        "friction in normal stage",
-        friction_in_normal_stage,
-        {"effects.friction_in_normal_stage": Key(kind=bool, default=False)},
-    ),
-    Effect(
-        "incompressibility",
-        incompressibility,
-        {"effects.incompressibility": Key(kind=bool, default="auto", word="auto")},
-    ),
-    Effect("load programme", load_programme),
-    Effect("indenter profile", profile),
+ALL: list[Effect] = []
+
+
+def add(*effects: Effect):
+    """Let every scene have these effects: their keys, verdicts and terms."""
+    ALL.extend(effects)
+    _update_keys()
+
+
+def remove(*effects: Effect):
+    """Undo ``add``."""
+    for effect in effects:
+        ALL.remove(effect)
+    _update_keys()
+
+
+def _update_keys():
+    add_switches({name: key for effect in ALL for name, key in effect.keys.items()})
+
+
+add(
+    Effect("grading", grading, keeps_reference=True),
+    Effect("friction", friction, keeps_reference=True),
+    Effect("symmetry", symmetry, keeps_reference=True),
+    Effect("coupling", coupling, keeps_reference=True),
+    Effect("friction in normal stage", friction_in_normal_stage, keeps_reference=True),
+    Effect("incompressibility", incompressibility, keeps_reference=True),
+    Effect("load schedule", load_schedule, keeps_reference=True),
+    Effect("indenter profile", profile, keeps_reference=True),
 )

@@ -7,7 +7,7 @@ import ast
 import operator
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from math import isfinite
 
 import numpy as np
@@ -15,7 +15,8 @@ import sympy
 
 from analytic import PowerProfile, Profile
 
-from .language import SceneError, shown
+from .errors import SceneError, shown
+from .tables import AnyIndenter, Circle, Formula, Parabola, Power
 
 DISTANCE = sympy.Symbol("x", nonnegative=True)  # |x| - flat >= 0
 FUNCTIONS = ("sqrt", "exp", "log", "sin", "cos", "tan", "sinh", "cosh", "tanh")
@@ -34,15 +35,17 @@ OPERATIONS: dict[type, Callable] = {
 
 
 @dataclass(frozen=True)
-class Indenter:
+class Shape:
     """f(x) = formula(|x| - flat), zero for |x| <= flat. formula: sympy expression of DISTANCE; any unit of length."""
 
     formula: sympy.Expr
     flat: float = 0.0
+    known_order: float | None = None  # of a scaled shape: round-off in its formula may hide it
 
-    def scaled(self, length: float, displacement: float) -> "Indenter":
+    def scaled(self, length: float, displacement: float) -> "Shape":
         """The same indenter with x in units of ``length`` and f in units of ``displacement``."""
-        return Indenter(self.formula.subs(DISTANCE, length * DISTANCE) / displacement, self.flat / length)
+        formula = self.formula.subs(DISTANCE, length * DISTANCE) / displacement
+        return Shape(formula, self.flat / length, self.order)
 
     def height(self, x):
         """f at positions x, numpy."""
@@ -61,6 +64,8 @@ class Indenter:
     @cached_property
     def order(self) -> float:
         """Exponent m of f ~ x^m at the tip (beside the flat)."""
+        if self.known_order is not None:
+            return self.known_order
         return float(sympy.limit(DISTANCE * sympy.diff(self.formula, DISTANCE) / self.formula, DISTANCE, 0, "+"))
 
     def defect(self, length: float) -> str | None:
@@ -95,20 +100,19 @@ class Indenter:
         return lambda x: function(np.asarray(x, dtype=float)) + np.zeros(np.shape(x))
 
 
-def from_scene(values) -> Indenter:
-    """The indenter of a scene, metres; SceneError where its formula cannot be read."""
-    kind, x = values["indenter.profile"], DISTANCE
-    R = values.get("indenter.R")
-    if kind == "parabola":
-        return Indenter(x**2 / (2 * R))
-    if kind == "circle":
-        return Indenter(x**2 / (R + sympy.sqrt(R**2 - x**2)))  # no cancellation for small x
-    if kind == "power":
-        m = values["indenter.exponent"]
-        return Indenter(R * (x / R) ** (int(m) if m == int(m) else m) / m)
-    if kind == "rounded flat":
-        return Indenter(x**2 / (2 * R), flat=values["indenter.flat"])
-    return Indenter(read_formula("indenter.formula", values["indenter.formula"], R))
+@lru_cache(maxsize=16)
+def shape_of(indenter: AnyIndenter) -> Shape:
+    """The profile of a scene's indenter, metres; SceneError where its formula cannot be read."""
+    x = DISTANCE
+    if isinstance(indenter, Formula):
+        return Shape(read_formula("indenter.formula", indenter.formula, indenter.R))
+    R = indenter.R
+    if isinstance(indenter, Circle):
+        return Shape(x**2 / (R + sympy.sqrt(R**2 - x**2)))  # no cancellation for small x
+    if isinstance(indenter, Power):
+        m = indenter.exponent
+        return Shape(R * (x / R) ** (int(m) if m == int(m) else m) / m)
+    return Shape(x**2 / (2 * R), flat=0.0 if isinstance(indenter, Parabola) else indenter.flat)
 
 
 def read_formula(key: str, text: str, R: float | None) -> sympy.Expr:
@@ -125,8 +129,10 @@ def read_formula(key: str, text: str, R: float | None) -> sympy.Expr:
         formula = sympy.sympify(text.strip(), locals={"x": DISTANCE, "R": R})
         if not isinstance(formula, sympy.Expr) or not formula.has(DISTANCE):
             raise SceneError(f"{key} = {shown(text)} is not allowed: it has to depend on x")
-        if formula.has(sympy.zoo, sympy.nan, sympy.oo, sympy.I) or not isfinite(Indenter(formula).order):
+        if formula.has(sympy.zoo, sympy.nan, sympy.oo, sympy.I) or not isfinite(Shape(formula).order):
             raise SceneError(f"{key} = {shown(text)} is not allowed: it is not a real function that begins like x^m")
+        if formula.has(sympy.Abs, sympy.sign):
+            raise SceneError(f"{key} = {shown(text)} is not allowed: it has a kink, and f is smooth for x > 0")
         return formula
     except SceneError:
         raise
@@ -149,7 +155,7 @@ def _is_arithmetic(node, names):
 def _constant(node) -> float | None:
     """Value of a part without names; OverflowError or ZeroDivisionError before sympy computes it with all digits."""
     if isinstance(node, ast.Constant):
-        return float(node.value)
+        return float(node.value)  # type: ignore[arg-type]  # a number: _is_arithmetic
     if isinstance(node, ast.UnaryOp):
         value = _constant(node.operand)
         return None if value is None else abs(value)

@@ -10,7 +10,7 @@ from functools import cached_property
 from analytic import CylinderContact, GradedHalfPlane, LayeredKernel, ProfileContact
 from forms.modulus import Modulus
 
-from .indenter import Indenter
+from .indenter import Shape
 from .scene import Scene
 from .solid import layered_kernel, modulus, modulus_at, normal_contact
 
@@ -27,7 +27,7 @@ class Scales:
     def of(cls, scene: Scene) -> "Scales":
         """The scales of a scene."""
         a = scene.half_width
-        return cls(length=a, displacement=scene.P / modulus_at(scene, a), stress=scene.P / a)
+        return cls(length=a, displacement=scene.P / modulus_at(scene.material, a), stress=scene.P / a)
 
     @property
     def modulus(self) -> float:
@@ -56,16 +56,16 @@ class Scaled:
     scales: Scales
     modulus: Modulus
     solid: GradedHalfPlane
-    indenter: Indenter
+    indenter: Shape
     contact: CylinderContact | ProfileContact | None
 
     @classmethod
     def of(cls, scene: Scene) -> "Scaled":
         """The scaled scene."""
         scales = Scales.of(scene)
-        law = modulus(scene, scales.length, scales.modulus)
-        solid = GradedHalfPlane(E0=law.surface_factor, nu=scene["solid.nu"], k=scene.k, y0=1.0)
-        indenter = scene.indenter.scaled(scales.length, scales.displacement)
+        law = modulus(scene.material, scales.length, scales.modulus)
+        solid = GradedHalfPlane(E0=law.surface_factor, nu=scene.solid.nu, k=scene.k, y0=1.0)
+        indenter = scene.shape.scaled(scales.length, scales.displacement)
         contact = normal_contact(solid, indenter, 1.0) if scene.is_power_law else None
         return cls(scales, law, solid, indenter, contact)
 

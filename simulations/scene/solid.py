@@ -1,27 +1,22 @@
 """The solid of a scene: its closed-form contact, its modulus in the forms, and its kernel for the half-plane solver."""
 
-from __future__ import annotations
-
 from math import exp, inf, log
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.optimize import brentq
 
 from analytic import CylinderContact, GradedHalfPlane, LayeredKernel, ProfileContact
-from forms.modulus import Coating, Modulus, PowerLaw
+from forms import modulus as forms
 
-from .indenter import Indenter
-
-if TYPE_CHECKING:
-    from .scene import Scene
+from .indenter import Shape
+from .tables import AnySolid, ExponentialCoating, Homogeneous, PowerLaw, PowerLawCoating
 
 SMALLEST, LARGEST = 1e-4, 8.0  # distances, over the half-width, between which a kernel is wanted
 
 
-def normal_contact(solid: GradedHalfPlane, indenter: Indenter, P: float) -> CylinderContact | ProfileContact:
+def normal_contact(solid: GradedHalfPlane, shape: Shape, P: float) -> CylinderContact | ProfileContact:
     """Closed form of the frictionless contact under the line load ``P``, in consistent units."""
-    profile = indenter.analytic()
+    profile = shape.analytic()
     if getattr(profile, "m", None) == 2:
         return CylinderContact(solid, R=0.5 / profile.A, P=P)
     return ProfileContact.from_load(solid, profile, P, _wide_enough(solid, profile, P))
@@ -44,42 +39,54 @@ def _wide_enough(solid, profile, P):
     raise ValueError(f"the indenter's profile ends at x = {profile.flat + width:.3g}, before it carries P")
 
 
-def modulus_at(scene: Scene, y: float) -> float:
+def half_plane(solid: AnySolid) -> GradedHalfPlane:
+    """The half-plane of (1); for a coating, the one that it is near the surface."""
+    y0 = getattr(solid, "y0", None) or 1.0
+    return GradedHalfPlane(E0=solid.E0, nu=solid.nu, k=getattr(solid, "k", 0.0), y0=y0)
+
+
+def modulus_at(solid: AnySolid, y: float) -> float:
     """E at depth y > 0, Pa."""
-    return float(modulus(scene, 1.0, 1.0).young(y))
+    return float(modulus(solid, 1.0, 1.0).young(y))
 
 
-def equivalent_half_width(scene: Scene) -> float:
+def equivalent_half_width(solid: AnySolid, shape: Shape, P: float) -> float:
     """Half-width a of the contact on a homogeneous half-plane whose modulus is E(a), m."""
 
     def homogeneous(E):
-        return normal_contact(GradedHalfPlane(E, scene["solid.nu"], 0.0, 1.0), scene.indenter, scene.P).a
+        return normal_contact(GradedHalfPlane(E, solid.nu, 0.0, 1.0), shape, P).a
 
-    flat = scene.indenter.flat
-    guess = homogeneous(scene["solid.E0"])
-    ends = [homogeneous(modulus_at(scene, y)) for y in (1e-6 * guess, 1e6 * guess)]
+    guess = homogeneous(solid.E0)
+    ends = [homogeneous(modulus_at(solid, y)) for y in (1e-6 * guess, 1e6 * guess)]
     low, high = min(ends) * (1 - 1e-9), max(ends) * (1 + 1e-9)
-    if high - flat < 1e-6 * high:
+    if high - shape.flat < 1e-6 * high:
         return high
 
     def excess(t):
-        return exp(t) - homogeneous(modulus_at(scene, exp(t)))
+        return exp(t) - homogeneous(modulus_at(solid, exp(t)))
 
     return exp(brentq(excess, log(low), log(high), xtol=1e-6))
 
 
-def modulus(scene: Scene, length: float, stress: float) -> Modulus:
+def modulus(solid: AnySolid, length: float, stress: float) -> forms.Modulus:
     """E(y) of the forms with depth in units of ``length`` and E in units of ``stress``."""
-    E0, kind = scene["solid.E0"] / stress, scene["solid.modulus"]
-    thickness = scene.values.get("solid.thickness", inf) / length
-    if scene.k == 0 and scene.is_power_law:
-        return PowerLaw.of(0.0, E0)
-    if kind in ("power law", "power-law coating"):
-        return PowerLaw.of(scene.k, E0 * (length / scene["solid.y0"]) ** scene.k, thickness)
-    substrate = scene["solid.E_substrate"] / stress
-    return Coating(E0, substrate, thickness, kind == "exponential")  # type: ignore[return-value]
+    E0 = solid.E0 / stress
+    if isinstance(solid, Homogeneous) or (isinstance(solid, PowerLaw) and solid.k == 0):
+        return forms.PowerLaw.of(0.0, E0)
+    thickness = inf if isinstance(solid, PowerLaw) else _resolved(solid.thickness) / length
+    if isinstance(solid, (PowerLaw, PowerLawCoating)):
+        return forms.PowerLaw.of(solid.k, E0 * (length / _resolved(solid.y0)) ** solid.k, thickness)
+    exponential = isinstance(solid, ExponentialCoating)
+    return forms.Coating(E0, solid.E_substrate / stress, thickness, exponential)
 
 
-def layered_kernel(law: Modulus, solid: GradedHalfPlane) -> LayeredKernel:
+def _resolved(length: float | None) -> float:
+    """A length that every solid of a Scene has in m."""
+    if length is None:
+        raise ValueError("the solid's lengths are multiples of a0: only a Scene has them in m")
+    return length
+
+
+def layered_kernel(law: forms.Modulus, solid: GradedHalfPlane) -> LayeredKernel:
     """What the half-plane solver takes for a coated solid, in scaled units; ``solid`` is that of the surface."""
     return LayeredKernel(law.young, solid, law.thickness, SMALLEST * min(1.0, law.thickness), LARGEST)

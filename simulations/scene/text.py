@@ -4,7 +4,7 @@ import json
 import tomllib
 from typing import Any
 
-from .language import SceneError, one_line, shown
+from .errors import SceneError, one_line, shown
 
 
 def read_keys(text: str) -> dict[str, Any]:
@@ -30,7 +30,9 @@ def flatten(document: dict) -> dict[str, Any]:
     """``{"solid": {"k": 0.3}}`` as ``{"solid.k": 0.3}``."""
     flat: dict[str, Any] = {}
     for name, value in document.items():
-        entries = {f"{name}.{inner}": v for inner, v in value.items()} if isinstance(value, dict) else {name: value}
+        entries = (
+            {f"{name}.{inner}": v for inner, v in value.items()} if isinstance(value, dict) else {str(name): value}
+        )
         for key, inner in entries.items():
             if key in flat:
                 raise SceneError(f"{one_line(key)} = {shown(inner)} is given twice")

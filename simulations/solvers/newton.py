@@ -5,6 +5,7 @@ carry the rigid displacements of the cylinder and linearise the same forms. Opti
 line under the prefix ``fretting_``, those of the bulk factorisation under ``fretting_bulk_``.
 """
 
+import weakref
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -27,9 +28,8 @@ BULK_OPTIONS = {
     "mat_mumps_icntl_14": 60,  # working space, per cent
 }
 BULK_PREFIX = "fretting_bulk_"
-FORCE_TOLERANCE = 1e-9  # force residual / P, where round-off lets it get there
+FORCE_TOLERANCE = 1e-9  # force residual and load imbalance / P, where round-off lets them get there
 ROUND_OFF = 4.0  # residuals are balanced this many times above the last digits' own, measured for k from -0.9 to 0
-LOAD_TOLERANCE = 1e-9  # load imbalance / P
 SETTLED = 1e-11  # force residual / P above which a balanced state gets one more step: what is left of a long first one
 ROUNDS = 3  # the same change of contact states as often as this is a cycle (twice may be luck near a singular tangent)
 STEP_TOLERANCE = 1e-11  # a step this small (relative) ends the iteration if round-off holds the residual up ...
@@ -127,26 +127,32 @@ class _Operator:
         self.system.solve(b, x)
 
 
-class Newton:
-    """Solves a System for given line loads, from its present state."""
+def _weakly(method):
+    """A bound method that does not keep its object alive: Python's collector does not see what PETSc refers to."""
+    weak = weakref.WeakMethod(method)
+    return lambda *arguments: weak()(*arguments)  # type: ignore[misc]  # called while the object lives
 
-    def __init__(self, system: System, comm, prefix: str = "fretting_"):
-        self.system = system
+
+class Newton:
+    """Solves a System for given line loads, from its present state; tolerance: of forces and loads, over P."""
+
+    def __init__(self, system: System, comm, prefix: str = "fretting_", tolerance: float = FORCE_TOLERANCE):
+        self.system, self._wanted = system, tolerance
         self.x, self._f = system.create_vector(), system.create_vector()
         shape = (self.x.getLocalSize(), None)
         jacobian = PETSc.Mat().createPython((shape, shape), _Operator(system), comm)
         jacobian.setUp()
         self.snes = PETSc.SNES().create(comm)
         self.snes.setOptionsPrefix(prefix)
-        self.snes.setFunction(self._residual, self._f)
-        self.snes.setJacobian(self._linearise, jacobian)
-        self.snes.setConvergenceTest(self._test)
+        self.snes.setFunction(_weakly(self._residual), self._f)
+        self.snes.setJacobian(_weakly(self._linearise), jacobian)
+        self.snes.setConvergenceTest(_weakly(self._test))
         self.snes.ksp.pc.setType(PETSc.PC.Type.PYTHON)
         self.snes.ksp.pc.setPythonContext(_Operator(system))
         with_defaults(prefix, SNES_OPTIONS, self.snes.setFromOptions)
         self._polished = False
         self._last_force = np.inf
-        self._scale, self._norms, self._tolerance = 1.0, (np.inf, np.inf), FORCE_TOLERANCE
+        self._scale, self._norms, self._tolerance = 1.0, (np.inf, np.inf), tolerance
         self._states = None
         self._changes: list[int] = []
         self._seen: dict[bytes, int] = {}
@@ -198,11 +204,11 @@ class Newton:
         self._scale = load.P
         self.system.begin(load, self.x)
         attainable = ROUND_OFF * self.system.problem.terms.round_off() / self._scale
-        self._tolerance = min(max(FORCE_TOLERANCE, attainable), ATTAINABLE)
+        self._tolerance = min(max(self._wanted, attainable), ATTAINABLE)
 
     def _balanced(self):
         force, imbalance = self._norms
-        return force <= self._tolerance and imbalance <= max(LOAD_TOLERANCE, self._tolerance)
+        return force <= self._tolerance and imbalance <= max(self._wanted, self._tolerance)
 
     def _step(self):
         step = self.x.duplicate()
@@ -262,7 +268,7 @@ class Newton:
         at_rest = self._changes[-2:] == [0, 0] and force > before / 10
         if cycles:
             return reason.DIVERGED_INNER
-        if (small_step or at_rest) and force <= ATTAINABLE and imbalance <= 10 * LOAD_TOLERANCE:
+        if (small_step or at_rest) and force <= ATTAINABLE and imbalance <= 10 * self._wanted:
             return reason.CONVERGED_SNORM_RELATIVE
         if last:
             return reason.DIVERGED_MAX_IT

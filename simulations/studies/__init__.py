@@ -1,1 +1,4 @@
-"""What uses many runs: cost, stability, ablation, figures, claims, maps, coupling. Each is  python -m simulations.studies.NAME."""
+"""What uses many runs; each study is a command,  python -m simulations.studies.NAME  (all share one engine).
+
+NAME: ablation, cost, stability, maps, coupling, figures, claims, body_stress.
+"""

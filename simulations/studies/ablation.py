@@ -1,23 +1,22 @@
-"""Every effect on and off on one mesh density: what it costs and what it changes:  python -m simulations.studies.ablation.
+"""Every effect on and off on one mesh density: what it costs and changes:  python -m simulations.studies.ablation.
 
 Writes ablation.csv and ablation.md. Seconds are processor seconds of one rank after compilation, the least of several
 runs; they are comparable within one table only.
 """
 
-import argparse
 import time
+from argparse import Namespace
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from mpi4py import MPI
 
-from ..command.command import run, say
+from ..command.command import comm, on_root, run, say
 from ..output.files import write_table, write_text
-from ..run.comparison import relative_l2
-from ..run.simulation import Simulation
-from ..scene.language import SceneError
-from ..scene.scene import DEFAULT_SCENE, parse
+from ..runs.comparison import relative_l2
+from ..runs.simulation import Simulation
+from ..scene import DEFAULT_SCENE, SceneError, parse
+from .commandline import make_folders, study_parser
 
 REPEATS = 3
 LOOP = ("solid.k=0.3", "solid.nu=0.3")
@@ -63,9 +62,9 @@ COLUMNS = ("effect", "switch", "unknowns", "increments", "seconds", "seconds_per
 HEAD = """\
 # What each effect costs and changes
 
-`python -m simulations.studies.ablation` on the default mesh density, facets a/40. Seconds are processor seconds an increment,
-mesh, assembly and condensation shared out, without compilation; *ratio* is on over off. *Change* is what switching
-the effect off does to the last state's pressure and traction (relative L2) and to the dissipated energy.
+`python -m simulations.studies.ablation` on the default mesh density, facets a/40. Seconds are processor seconds an
+increment, mesh, assembly and condensation shared out, without compilation; *ratio* is on over off. *Change* is what
+switching the effect off does to the last state's pressure and traction (relative L2) and to the dissipated energy.
 
 | effect | unknowns on / off | s per increment on / off | ratio | change in p | in q | in energy |
 |---|---|---|---|---|---|---|
@@ -131,22 +130,28 @@ def study(repeats: int, cases=CASES) -> tuple[list[dict], str]:
 
 def main(arguments: list[str]):
     """Run the study and write its two files; more ranks than one have nothing to do."""
-    parser = argparse.ArgumentParser(prog="python -m simulations.studies.ablation", description=__doc__)
-    parser.add_argument("--output", type=Path, default=Path("results/ablation"), metavar="DIR")
-    parser.add_argument("--repeats", type=int, default=REPEATS, help="runs of which the quickest counts")
-    given = parser.parse_args(arguments)
-    if given.repeats < 1:
-        raise SceneError(f"--repeats {given.repeats} is not allowed: an integer in [1, inf[")
-    if MPI.COMM_WORLD.rank > 0:
+    given = on_root(lambda: read(arguments))
+    if comm.rank > 0:
         return
-    given.output.mkdir(parents=True, exist_ok=True)
     for case in CASES:  # compile
         for overrides in (case.on, case.off):
             Simulation(MPI.COMM_SELF, scene_with(overrides))
     rows, lines = study(given.repeats)
     write_table(given.output / "ablation.csv", rows)
-    write_text(given.output / "ablation.md", HEAD + lines)
-    say(f"written to {given.output}: ablation.csv, ablation.md")
+    write_text(given.page, HEAD + lines)
+    say(f"written: {given.output / 'ablation.csv'}, {given.page}")
+
+
+def read(arguments: list[str]) -> Namespace:
+    """The checked command line; SceneError where it is wrong."""
+    parser = study_parser("ablation", __doc__, "results/ablation", "the table (default: DIR/ablation.md)")
+    parser.add_argument("--repeats", type=int, default=REPEATS, help="runs of which the quickest counts")
+    given = parser.parse_args(arguments)
+    if given.repeats < 1:
+        raise SceneError(f"--repeats {given.repeats} is not allowed: an integer in [1, inf[")
+    given.page = given.page or given.output / "ablation.md"
+    make_folders(given)
+    return given
 
 
 if __name__ == "__main__":

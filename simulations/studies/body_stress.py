@@ -8,10 +8,11 @@ import numpy as np
 from matplotlib.animation import FuncAnimation, PillowWriter
 from matplotlib.ticker import MaxNLocator
 
-from ..command.command import Parser, comm, on_root, run, say, writable
+from ..command.command import comm, on_root, run, say
 from ..output.body_states import BodyState, read_states
-from ..scene.language import SceneError
-from .paper.style import panels, save, style
+from ..output.style import panels, save, style
+from ..scene import SceneError
+from .commandline import make_folders, study_parser
 
 REACH, DEPTH = 1.6, 1.6  # drawn part of the body, in contact half-widths a
 WORDS = {"initial": "first loading", "unloading": "unloading", "reloading": "reloading"}
@@ -78,7 +79,7 @@ def animate(states: list[BodyState], a: float, scale: float, path: Path) -> Path
 
 def read(arguments: list[str]) -> Namespace:
     """The checked command line with the run's states and half-width; SceneError where it is wrong."""
-    parser = Parser(prog="python -m simulations.studies.body_stress", description=__doc__, allow_abbrev=False)
+    parser = study_parser("body_stress", __doc__)
     parser.add_argument("folder", type=Path, metavar="DIR", help="folder of a run")
     parser.add_argument("--output", type=Path, metavar="DIR", help="folder for the picture (default: that of the run)")
     parser.add_argument("--animate", action="store_true", help="write body.gif, too")
@@ -86,7 +87,8 @@ def read(arguments: list[str]) -> Namespace:
     given.states, given.a = read_states(given.folder), _half_width(given.folder)
     if not given.states:
         raise SceneError(f"{given.folder} holds a run that recorded no state")
-    given.output = writable(given.output or given.folder)
+    given.output = given.output or given.folder
+    make_folders(given)
     return given
 
 

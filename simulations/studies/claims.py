@@ -1,8 +1,11 @@
 """Check the paper's sentences on its results one by one:  python -m simulations.studies.claims [--page FILE.md]."""
 
-from pathlib import Path
+from argparse import Namespace
 
-from ..command.command import Parser, comm, on_root, run, say, writable
+from ..command.command import comm, on_root, run, say
+from ..output.files import write_text
+from .commandline import make_folders, study_parser
+from .engine import workers
 from .paper.claim import minus_signs, table
 from .paper.claims_coupling import SMALL, coupling_claims, cycle_claims, difference, difference_table, differences
 from .paper.claims_theory import theory_claims
@@ -32,18 +35,20 @@ OVER_NU = f"""
 
 Difference of a simulation with coupling from the closed forms, in per cent: slip (L2 over the contact, at the first
 +Q_A) / traction (likewise) / energy of the second cycle (signed). Q_A = {AMPLITUDE:g} μP, μ = {MU:g}; y0 does not
-matter, as a power law has no length of its own. Mesh-free solver, `analytic/half_plane/solver.py`; the finite elements agree
-at the paper's pairs, above. A dash: no convergence. The difference vanishes at the Holl ratio, ν = 1/(2+k): 0.5 at k
-= 0, 0.43 at 0.3, 0.4 at 0.5.
+matter, as a power law has no length of its own. Mesh-free solver, `analytic/half_plane/solver.py`; the finite elements
+agree at the paper's pairs, above. A dash: no convergence. The difference vanishes at the Holl ratio, ν = 1/(2+k): 0.5
+at k = 0, 0.43 at 0.3, 0.4 at 0.5.
 
 """
 
 
 def main(arguments: list[str]):
     """Check every sentence, print the table, and write it as a page where one is asked for."""
-    page = on_root(lambda: read(arguments))
+    page = on_root(lambda: read(arguments)).page
     say("closed forms and mesh-free loops")
-    found = differences(comm)
+    with workers(comm) as executor:
+        found = differences(executor) if comm.rank == 0 else []
+    found = comm.bcast(found)
     say("finite elements at the paper's pairs")
     coupled = coupling_claims(Runs(comm), found)
     if comm.rank == 0:
@@ -51,7 +56,7 @@ def main(arguments: list[str]):
         text += OVER_NU + difference_table(found) + friction_line()
         say(text)
         if page is not None:
-            page.write_text(text, encoding="utf-8")
+            write_text(page, text)
             say(f"written to {page}")
 
 
@@ -63,14 +68,11 @@ def friction_line() -> str:
     return minus_signs(text + "; ".join(words)) + ".\n"
 
 
-def read(arguments: list[str]) -> Path | None:
-    """The page to write; SceneError for a wrong command line."""
-    parser = Parser(prog="python -m simulations.studies.claims", description=__doc__, allow_abbrev=False)
-    parser.add_argument("--page", type=Path, metavar="FILE.md", help="write the table as a page, too")
-    page = parser.parse_args(arguments).page
-    if page is not None:
-        writable(page.parent)
-    return page
+def read(arguments: list[str]) -> Namespace:
+    """The checked command line; SceneError where it is wrong."""
+    given = study_parser("claims", __doc__, page="the table").parse_args(arguments)
+    make_folders(given)
+    return given
 
 
 if __name__ == "__main__":

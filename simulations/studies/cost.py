@@ -1,6 +1,8 @@
-"""What accuracy costs: errors against seconds over meshes, settings, methods and ranks:  python -m simulations.studies.cost."""
+"""What accuracy costs: errors against seconds over meshes, settings, methods and ranks:
 
-import argparse
+    python -m simulations.studies.cost
+"""
+
 import csv
 import importlib.util
 import json
@@ -8,12 +10,18 @@ import os
 import shutil
 import subprocess
 import sys
+from argparse import SUPPRESS, Namespace
+from dataclasses import asdict
 from pathlib import Path
 
-from ..command.command import comm, run, say
-from ..scene import accuracy
-from ..scene.language import SceneError
+from ..command.command import comm, on_root, run, say
+from ..output.files import write_table
+from ..scene import SceneError, accuracy
+from .commandline import make_folders, study_parser
+from .costs import sweeps
 from .costs.cases import Case, cases
+from .engine import Item, Row, run_all
+from .store import Store
 
 MARK = "measured: "  # before the line that a case's own process prints
 FIELDS = (
@@ -24,61 +32,79 @@ TEXTS = ("study", "problem", "level", "failure")
 
 
 def main(arguments: list[str]):
-    """Measure what is not in the table yet, each case in a process of its own; then draw the figures."""
-    parser = argparse.ArgumentParser(prog="python -m simulations.studies.cost", description=__doc__)
-    parser.add_argument(
-        "--output", type=Path, default=Path("results/cost"), metavar="DIR", help="folder for cost.csv and figures"
-    )
-    parser.add_argument("--only", default="", metavar="TEXT", help="cases whose name (study/problem/level) contains it")
-    parser.add_argument("--list", action="store_true", help="name the cases, and stop")
-    parser.add_argument(
-        "--peer", action="store_true", help="also GetFEM on the homogeneous loop, where it is installed"
-    )
-    parser.add_argument(
-        "--calibrate", action="store_true", help="renew the table that --accuracy reads from what is measured"
-    )
-    parser.add_argument("--case", help=argparse.SUPPRESS)
-    given = parser.parse_args(arguments)
+    """Measure what is not measured yet, each case in a process of its own; then write table and figures."""
+    given = on_root(lambda: read(arguments))
     if given.case:
-        return _one(given.case)
-    has_getfem = importlib.util.find_spec("getfem") is not None
-    if given.peer and not has_getfem:
-        say("GetFEM is not installed (python3-getfem): no peer")
-    wanted = [case for case in cases(given.peer and has_getfem) if given.only in case.name]
-    if not wanted:
-        raise SceneError(f"--only {given.only}: no such case; --list names them")
+        _one(given.case)
+        return
+    if comm.rank > 0:  # one case at a time, with the machine for itself
+        return
     if given.list:
-        return say("\n".join(case.name for case in wanted))
+        say("\n".join(case.name for case in given.cases))
+        return
     from .costs.plots import draw
 
-    given.output.mkdir(parents=True, exist_ok=True)
-    path = given.output / "cost.csv"
-    done = {name_of(row) for row in read(path)}
-    for number, case in enumerate(wanted, start=1):
-        if case.name not in done:
-            row = _measured_apart(case)
-            _append(path, row)
-            said = row.get("failure")
-            said = said or f"{row['unknowns']} unknowns, {row['cpu_s']:.2f} s CPU, error {row['largest']:.1e}"
-            say(f"{number:4d}/{len(wanted)}  {case.name}: {said}")
-    rows = read(path)
+    make_folders(given)
+    path, store = given.output / "cost.csv", Store(given.output / "cost.jsonl")
+    adopt(path, store)
+    run_all([item_of(case) for case in given.cases], measured_apart, store, tell=say)
+    kept = store.read()
+    everything = [(case, kept.get(Store.key(case.name, asdict(case)))) for case in cases()]
+    write_rows(path, [named(case) | row for case, row in everything if row is not None])
+    rows = read_rows(path)
     if given.calibrate:
         calibrate(rows)
     for figure in draw(rows, given.output):
         say(f"written {figure}")
 
 
-def read(path: Path) -> list[dict]:
+def read(arguments: list[str]) -> Namespace:
+    """The checked command line with its ``cases``; SceneError where it is wrong."""
+    parser = study_parser("cost", __doc__, "results/cost")
+    parser.add_argument("--only", default="", metavar="TEXT", help="cases whose name (study/problem/level) contains it")
+    parser.add_argument("--list", action="store_true", help="name the cases, and stop")
+    parser.add_argument("--peer", action="store_true", help="also GetFEM on the homogeneous loop, if it is installed")
+    parser.add_argument("--calibrate", action="store_true", help="renew the table that --accuracy reads")
+    parser.add_argument("--case", help=SUPPRESS)
+    given = parser.parse_args(arguments)
+    has_getfem = importlib.util.find_spec("getfem") is not None
+    if given.peer and not has_getfem:
+        say("GetFEM is not installed (python3-getfem): no peer")
+    given.cases = [case for case in cases(given.peer and has_getfem) if given.only in case.name]
+    if not given.cases:
+        raise SceneError(f"--only {given.only}: no such case; --list names them")
+    return given
+
+
+def item_of(case: Case) -> Item:
+    """The case for the engine."""
+    return Item(case.name, asdict(case))
+
+
+def named(case: Case) -> Row:
+    """What the table says of a case before it is measured."""
+    values = asdict(case)
+    return {name: values[name] for name in ("study", "problem", "level", "ranks", "tolerance")}
+
+
+def adopt(path: Path, store: Store):
+    """A table without its store, as docs/cost has it, counts as measured."""
+    if store.path.exists():
+        return
+    known = {case.name: case for case in cases()}
+    for row in read_rows(path):
+        case = known.get(f"{row['study']}/{row['problem']}/{row['level']}")
+        if case is not None:
+            measured = {name: value for name, value in row.items() if value != "" and name not in named(case)}
+            store.keep(Store.key(case.name, asdict(case)), asdict(case), measured)
+
+
+def read_rows(path: Path) -> list[Row]:
     """Rows of a table, numbers as numbers."""
     if not path.exists():
         return []
     with path.open(encoding="utf-8", newline="") as file:
         return [{name: _number(name, value) for name, value in row.items()} for row in csv.DictReader(file)]
-
-
-def name_of(row: dict) -> str:
-    """study/problem/level, as of a case."""
-    return f"{row['study']}/{row['problem']}/{row['level']}"
 
 
 def calibrate(rows: list[dict]):
@@ -104,36 +130,34 @@ def _number(name: str, text: str):
     return text or "" if name in TEXTS or not text else float(text)
 
 
-def _append(path: Path, row: dict):
-    new = not path.exists()
-    with path.open("a", encoding="utf-8", newline="") as file:
-        writer = csv.DictWriter(file, FIELDS, lineterminator="\n")
-        if new:
-            writer.writeheader()
-        writer.writerow({name: f"{v:.6g}" if isinstance(v, float) else v for name, v in row.items()})
+def write_rows(path: Path, rows: list[Row]):
+    """The table, numbers to six digits."""
+    texts = [{n: f"{v:.6g}" if isinstance(v, float) else v for n, v in row.items()} for row in rows]
+    write_table(path, [{name: row.get(name, "") for name in FIELDS} for row in texts])
 
 
-def _measured_apart(case: Case) -> dict:
+def measured_apart(values: Row) -> Row:
     """The row of a case, measured in a process (or mpirun) of its own."""
+    case = Case(**values)
+    if case.study == "sweep":
+        return sweeps.measure(case)
     command = [sys.executable, "-m", "simulations.studies.cost", "--case", case.name]
     if case.ranks > 1:
-        command = [shutil.which("mpirun"), "-n", str(case.ranks), *command]
+        command = [shutil.which("mpirun") or "mpirun", "-n", str(case.ranks), *command]
     done = subprocess.run(
         command, text=True, capture_output=True, stdin=subprocess.DEVNULL, env=os.environ | {"OMP_NUM_THREADS": "1"}
     )
-    row = {
-        "study": case.study,
-        "problem": case.problem,
-        "level": case.level,
-        "ranks": case.ranks,
-        "tolerance": case.tolerance,
-    }
     lines = [line for line in done.stdout.splitlines() if line.startswith(MARK)]
     if lines:
-        return row | json.loads(lines[-1].removeprefix(MARK))
+        row = json.loads(lines[-1].removeprefix(MARK))
+        if row.get("failure"):
+            raise RuntimeError(row["failure"])
+        numbers = f"{row['cpu_s']:.2f} s CPU" + (f", error {row['largest']:.1e}" if "largest" in row else "")
+        say(f"{case.name}: {numbers}")
+        return row
     # mpirun may end with a line of nothing but a NUL
     said = [line for line in done.stderr.splitlines() if line.strip("\0 ")]
-    return row | {"failure": f"exit code {done.returncode}: {said[-1] if said else 'nothing said'}"[:200]}
+    raise RuntimeError(f"exit code {done.returncode}: {said[-1] if said else 'nothing said'}"[:200])
 
 
 def _one(name: str):

@@ -3,22 +3,24 @@
     mpirun -n 2 python -m simulations.studies.coupling [--output DIR] [--values K NU]
 
 Every loop is computed by the mesh-free half-plane solver, with coupling and without: frictionless pressing, then
-Q_A = 0.9 μP. Loops are shared out over the ranks; a run that was interrupted goes on where its table ends.
+Q_A = 0.9 μP. The ranks share the loops; a study that was stopped goes on where it was.
 """
 
-import argparse
-import csv
-from pathlib import Path
+from argparse import Namespace
 
 import matplotlib.pyplot as plt
 import numpy as np
-from analytic.half_plane.linear import ContactNotConverged
-from mpi4py import MPI
 from scipy.interpolate import RectBivariateSpline
 
 from analytic import GradedHalfPlane, HalfPlaneContact, PowerLawKernel, PowerProfile
 
-from ..command.command import on_root, run, say
+from ..command.command import comm, on_root, run, say
+from ..output.files import write_table
+from ..output.style import RED
+from ..scene import SceneError
+from .commandline import make_folders, study_parser
+from .engine import FAILED, Item, Row, run_all, workers
+from .store import Store
 
 FRICTION, AMPLITUDE = (0.1, 0.3, 0.6), 0.9
 K, NU = (-0.5, 0.7), (0.0, 0.5)
@@ -32,22 +34,31 @@ LEVELS = (0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0)  # per cent
 
 def main(arguments: list[str]):
     """Fill the table, then draw it."""
-    request = on_root(lambda: _request(arguments))
-    table = request.output / "coupling.csv"
-    k, nu = (np.linspace(*ends, count) for ends, count in zip((K, NU), request.values, strict=True))
-    request.output.mkdir(parents=True, exist_ok=True)
-    grid = [(a, b, mu) for mu in FRICTION for a in k for b in nu]
-    done = on_root(lambda: _read(table))
-    _fill(table, [point for point in grid if _key(point) not in done])
-    on_root(lambda: _draw(request.output, _read(table), k, nu))
-    say(f"figure and table in {request.output}")
+    given = on_root(lambda: read(arguments))
+    k, nu = (np.linspace(*ends, count) for ends, count in zip((K, NU), given.values, strict=True))
+    points = [_point(a, b, mu) for mu in FRICTION for a in k for b in nu]
+    items = [Item(f"k = {a:g}, nu = {b:g}, mu = {mu:g}", {"k": a, "nu": b, "mu": mu}) for a, b, mu in points]
+    with workers(comm) as executor:
+        if comm.rank == 0:
+            rows = run_all(items, _row, Store(given.output / "loops.jsonl"), executor, say)
+    if comm.rank == 0:
+        missing = dict.fromkeys(SHOWN, np.nan)
+        found = {p: missing if FAILED in row else row for p, row in zip(points, rows, strict=True)}
+        table = [dict(zip(COLUMNS, [*p, *(f"{row[name]:.6g}" for name in SHOWN)])) for p, row in found.items()]
+        write_table(given.output / "coupling.csv", table)
+        _draw(given.output, found, k, nu)
+        say(f"figure and table in {given.output}")
 
 
-def _request(arguments):
-    parser = argparse.ArgumentParser(prog="python -m simulations.studies.coupling", description=__doc__.splitlines()[0])
-    parser.add_argument("--output", type=Path, default=Path("results/coupling"), help="folder for table and figure")
-    parser.add_argument("--values", type=int, nargs=2, default=(13, 6), help="of k and of nu (default 13 6)")
-    return parser.parse_args(arguments)
+def read(arguments: list[str]) -> Namespace:
+    """The checked command line; SceneError where it is wrong."""
+    parser = study_parser("coupling", __doc__, "results/coupling")
+    parser.add_argument("--values", type=int, nargs=2, default=(13, 6), metavar=("K", "NU"), help="how many of each")
+    given = parser.parse_args(arguments)
+    if min(given.values) < 2:
+        raise SceneError(f"--values {' '.join(map(str, given.values))} is not allowed: two integers in [2, inf[")
+    make_folders(given)
+    return given
 
 
 def changes(k: float, nu: float, mu: float) -> dict[str, float]:
@@ -94,39 +105,12 @@ FIELDS = {
 }
 
 
-def _key(point):
-    return tuple(round(float(value), 6) for value in point)
+def _point(k, nu, mu) -> tuple[float, float, float]:
+    return round(float(k), 6), round(float(nu), 6), round(float(mu), 6)
 
 
-def _read(table):
-    if not table.exists():
-        return {}
-    with table.open(newline="") as file:
-        rows = [{name: float(row[name]) for name in COLUMNS} for row in csv.DictReader(file) if row["energy"]]
-    return {_key((row["k"], row["nu"], row["mu"])): row for row in rows}
-
-
-def _fill(table, points):
-    """Append a row a point; rank 0 writes, after every round of all ranks."""
-    comm = MPI.COMM_WORLD
-    if comm.rank == 0 and not table.exists():
-        table.write_text(",".join(COLUMNS) + "\n")
-    for first in range(0, len(points), comm.size):
-        mine = points[first : first + comm.size][comm.rank : comm.rank + 1]
-        rows = comm.gather([_row(*point) for point in mine])
-        if comm.rank == 0:
-            with table.open("a", newline="") as file:
-                csv.writer(file).writerows(row for rank in rows for row in rank)
-        say(f"\r{min(first + comm.size, len(points))} of {len(points)} loops", end="")
-    say("")
-
-
-def _row(k, nu, mu):
-    try:
-        values = changes(k, nu, mu)
-    except ContactNotConverged:
-        values = dict.fromkeys(SHOWN, np.nan)
-    return [*_key((k, nu, mu)), *(f"{values[name]:.6g}" for name in SHOWN)]
+def _row(values: Row) -> Row:
+    return changes(values["k"], values["nu"], values["mu"])
 
 
 def _interpolated(rows, name, mu, k, nu, fine_k, fine_nu):
@@ -136,7 +120,7 @@ def _interpolated(rows, name, mu, k, nu, fine_k, fine_nu):
         solid = GradedHalfPlane(1.0, b, a, 1.0)
         return abs(PowerLawKernel(solid).d / solid.bk) ** ORDER[name]
 
-    ratio = np.array([[rows[_key((a, b, mu))][name] / (strength(a, b) or np.nan) for b in nu] for a in k])
+    ratio = np.array([[rows[_point(a, b, mu)][name] / (strength(a, b) or np.nan) for b in nu] for a in k])
     ratio[np.array([[strength(a, b) for b in nu] for a in k]) < NOISE] = np.nan
     for column in ratio.T:  # at the Holl ratio: between its neighbours
         hole = np.isnan(column)
@@ -157,7 +141,7 @@ def _draw(folder, rows, k, nu):
                 share = np.clip(share, 1.01 * LEVELS[0], 0.99 * LEVELS[-1])
                 filled = axis.contourf(fine_k, fine_nu, np.log10(share), levels=np.log10(LEVELS), cmap="cividis")
                 axis.contour(fine_k, fine_nu, np.log10(share), levels=[0.0], colors="white", linewidths=1.5)
-                axis.plot(holl, 1 / (2 + holl), color="#D55E00", lw=2, ls="--")
+                axis.plot(holl, 1 / (2 + holl), color=RED, lw=2, ls="--")
                 axis.set(xlim=K, ylim=NU)
         for axis, name in zip(axes[0], SHOWN.values(), strict=True):
             axis.set_title(f"change of {name}")

@@ -1,15 +1,20 @@
-"""Make the paper's figures with finite-element points on them:  python -m simulations.studies.figures [4 5 ... 11 | all]."""
+"""Make the paper's figures with finite-element points on them:
+
+    python -m simulations.studies.figures [4 5 ... 11 | all]
+"""
 
 import math
 import os
 from functools import partial
 from pathlib import Path
 
-from ..command.command import Parser, comm, on_root, run, say, writable
-from ..scene.language import SceneError
+from ..command.command import comm, on_root, run, say
+from ..output.files import write_text
+from ..output.style import save, style
+from ..scene import SceneError
+from .commandline import make_folders, study_parser
 from .paper import comparisons, distributions, energies
 from .paper.elements import Deviation, Runs
-from .paper.style import save, style
 
 FIGURES = {
     4: partial(distributions.draw, number=4, y0_over_a0=0.1, quantity="traction"),
@@ -47,24 +52,21 @@ def main(arguments: list[str]):
         say("\n" + "\n".join(lines(found)))
         say(f"\nwritten to {folder}: " + ", ".join(f"figure{n}.pdf, figure{n}.png" for n in numbers))
         if page is not None:
-            page.write_text(text_of(found, folder, page), encoding="utf-8")
+            write_text(page, text_of(found, folder, page))
 
 
 def read(arguments: list[str]) -> tuple[list[int], Path, Path | None]:
     """Numbers of figures, folder and page of a command line; SceneError where it is wrong."""
-    parser = Parser(prog="python -m simulations.studies.figures", description=__doc__, allow_abbrev=False)
+    parser = study_parser("figures", __doc__, "results/figures", "pictures and deviations")
     parser.add_argument("figures", nargs="*", default=["all"], metavar="4 ... 11 | all")
-    parser.add_argument("--output", type=Path, default=Path("results/figures"), metavar="DIR")
-    parser.add_argument("--page", type=Path, metavar="FILE.md", help="write pictures and deviations as a page, too")
     given = parser.parse_args(arguments)
     known = {str(number): number for number in FIGURES}
     for name in given.figures:
         if name != "all" and name not in known:
             raise SceneError(f"figure {name!r} is not one of {', '.join(known)} and all")
     numbers = list(FIGURES) if "all" in given.figures else sorted({known[name] for name in given.figures})
-    if given.page is not None:
-        writable(given.page.parent)
-    return numbers, writable(given.output), given.page
+    make_folders(given)
+    return numbers, given.output, given.page
 
 
 def largest(deviations: list[Deviation]) -> str:
@@ -82,9 +84,8 @@ def largest(deviations: list[Deviation]) -> str:
 def lines(found: dict[int, list[Deviation]]) -> list[str]:
     """One line a figure, as a Markdown table: figure, command, picture, largest deviation."""
     head = ["| figure | command | picture | largest deviation of the points from the curves |", "|---|---|---|---|"]
-    rows = [
-        f"| {n}: {WHAT[n]} | `python -m simulations.studies.figures {n}` | figure{n}.png | {largest(found[n])} |" for n in found
-    ]
+    command = "python -m simulations.studies.figures"
+    rows = [f"| {n}: {WHAT[n]} | `{command} {n}` | figure{n}.png | {largest(d)} |" for n, d in found.items()]
     return head + rows
 
 

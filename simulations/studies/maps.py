@@ -2,18 +2,22 @@
 
 import os
 from argparse import Namespace
+from collections.abc import Iterable
+from concurrent.futures import Executor
 from pathlib import Path
 
 import numpy as np
 
-from ..command.command import Parser, comm, on_root, run, say, writable
-from ..scene.language import SceneError
+from ..command.command import comm, on_root, run, say
+from ..output.files import write_text
+from ..output.style import save, style
+from ..scene import SceneError
+from .commandline import make_folders, study_parser
+from .engine import FAILED, Item, run_all, workers
 from .mapping import pictures
 from .mapping.answers import best_profile, table
-from .mapping.points import Energies, Point, by_theory
-from .mapping.shares import simulate_all
-from .mapping.store import Store
-from .paper.style import save, style
+from .mapping.points import Energies, Point, by_simulation, by_theory
+from .store import Store
 
 EXPONENTS = tuple(round(0.1 * i, 1) for i in range(-6, 9))
 AMPLITUDES = (0.2, 0.4, 0.6, 0.8, 0.95)
@@ -27,8 +31,8 @@ RANGES = {  # what the options take: open interval
     "mu": (0.0, 10.0),
 }
 INTRODUCTION = """\
-ν = {nu:g}, μ = {mu:g}. Made by `python -m simulations.studies.maps`; `--help` names the options. The ends of the range of k
-that was searched are where most of the extremes lie: there the table says which way to go, not how far. Finite
+ν = {nu:g}, μ = {mu:g}. Made by `python -m simulations.studies.maps`; `--help` names the options. The ends of the range
+of k that was searched are where most of the extremes lie: there the table says which way to go, not how far. Finite
 elements confirm the simulated energies: at k = −0.5, ν = μ = 0.3, parabola, Q_A = 0.6 μP they find 0.634
 of the theory's, the mesh-free loop 0.632 (first cycle). All ratios are to a homogeneous
 half-plane of modulus E0 under the same load. A power law has no length of its own: each loop serves every y0.
@@ -52,16 +56,24 @@ def main(arguments: list[str]):
         for amplitude in given.amplitudes
         for k in given.k
     ]
-    results = simulate_all(comm, Store(given.output, comm.rank), points, say)
+    with workers(comm) as executor:
+        found = simulated(points, Store(given.output / "loops.jsonl"), executor) if comm.rank == 0 else {}
     if comm.rank == 0:
-        found = {point: result for point, result in results.items() if isinstance(result, Energies)}
-        for point in points:
-            if point not in found:
-                say(f"not converged: k = {point.k:g}, Q_A = {point.amplitude:g} μP, |x|^{point.m:g}: {results[point]}")
         simulated_pictures(given, found)
         text = answers(given, found)
-        given.page.write_text(page(given, text), encoding="utf-8")
+        write_text(given.page, page(given, text))
         say(f"\n{text}\nwritten to {given.output}: {', '.join(pictures_of(given))}; {given.page}")
+
+
+def simulated(points: list[Point], store: Store, executor: Executor | None) -> dict[Point, Energies]:
+    """By simulation, where that converges; loops in the store are not run again."""
+    items = [Item(f"k = {p.k:g}, Q_A = {p.amplitude:g} μP, |x|^{p.m:g}", p.as_dict()) for p in points]
+    rows = run_all(items, _loop, store, executor, say)
+    return {point: Energies(**row) for point, row in zip(points, rows, strict=True) if FAILED not in row}
+
+
+def _loop(values: dict) -> dict:
+    return vars(by_simulation(Point(**values)))
 
 
 def theory_pictures(given: Namespace):
@@ -77,7 +89,7 @@ def theory_pictures(given: Namespace):
     say(f"theory: {len(found)} points, map_theory.png")
 
 
-def theory(points) -> dict[Point, Energies]:
+def theory(points: Iterable[Point]) -> dict[Point, Energies]:
     """The closed forms at points."""
     return {point: by_theory(point) for point in points}
 
@@ -146,14 +158,12 @@ def _middle(amplitudes):
 
 def read(arguments: list[str]) -> Namespace:
     """The checked command line; SceneError where it is wrong."""
-    parser = Parser(prog="python -m simulations.studies.maps", description=__doc__, allow_abbrev=False)
-    parser.add_argument("--output", type=Path, default=Path("results/maps"), metavar="DIR", help="also resumed from")
+    parser = study_parser("maps", __doc__, "results/maps", "answers and maps (default: DIR/maps.md)")
     parser.add_argument("--k", type=float, nargs="+", default=EXPONENTS, help="exponents of grading; 0 is always added")
     parser.add_argument("--amplitudes", type=float, nargs="+", default=AMPLITUDES, help="Q_A/(mu P)")
     parser.add_argument("--profiles", type=float, nargs="+", default=PROFILES, metavar="M", help="f ~ |x|^M")
     parser.add_argument("--nu", type=float, default=0.3, help="Poisson's ratio")
     parser.add_argument("--mu", type=float, default=0.3, help="coefficient of friction")
-    parser.add_argument("--page", type=Path, metavar="FILE.md", help="answers and maps (default: DIR/maps.md)")
     parser.add_argument("--theory-only", action="store_true", help="no simulations")
     given = parser.parse_args(arguments)
     for name, (low, high) in RANGES.items():
@@ -163,9 +173,8 @@ def read(arguments: list[str]) -> Namespace:
                 raise SceneError(f"--{name} {value:g} is not allowed: a number in ]{low:g}, {high:g}[")
     given.k = sorted({*given.k, 0.0})
     given.amplitudes, given.profiles = sorted(set(given.amplitudes)), sorted(set(given.profiles))
-    given.output = writable(given.output)
     given.page = given.page or given.output / "maps.md"
-    writable(given.page.parent)
+    make_folders(given)
     return given
 
 

@@ -1,15 +1,15 @@
-"""Solve the hard cases one after the other and lay out how each ended:  python -m simulations.studies.stability [--output DIR].
+"""Solve the hard cases and lay out how each ended:  mpirun -n 2 python -m simulations.studies.stability [--output DIR].
 
-The cases are data (stability.toml); each differs from one coarse base scene. Every case leaves a file of its own, so
-that a run that was stopped goes on where it was; under mpirun the ranks share the cases. After a change of the code use
-another folder: a case is solved again only where its values changed.
+The cases are data (stability.toml); each differs from one coarse base scene. What is solved is kept in the folder, so
+that a study that was stopped goes on where it was; under mpirun the ranks share the cases. After a change of the code
+use another folder: a case is solved again only where its values changed.
 """
 
-import argparse
 import itertools
-import json
 import time
 import tomllib
+from argparse import Namespace
+from concurrent.futures import Executor
 from pathlib import Path
 
 import numpy as np
@@ -18,14 +18,18 @@ from mpi4py import MPI
 from ..command.command import comm, on_root, run, say
 from ..loading.stepping import SolveError
 from ..output.files import write_table, write_text
-from ..run.checks import check, drift, still_changing
-from ..run.comparison import compare
-from ..run.energy import EnergyMeter, worst_defect
-from ..run.reference import ClosedForm, NoReference, of_same_physics
-from ..run.simulation import Simulation
-from ..scene.language import SceneError
-from ..scene.scene import Scene, resolve
+from ..runs.checks import check, drift, still_changing
+from ..runs.comparison import compare
+from ..runs.energy import EnergyMeter, worst_defect
+from ..runs.reference import NoReference, of_same_physics
+from ..runs.simulation import Simulation
+from ..runs.springs import Springs
+from ..scene import Scene, SceneError, make_scene
+from .commandline import make_folders, study_parser
+from .engine import FAILED as NO_ROW
+from .engine import Item, run_all, workers
 from .stability_report import FAILED, GREEN, REFUSED, WRONG, picture, summary, table
+from .store import Store
 
 CASES = Path(__file__).with_suffix(".toml")
 # What the refusals promise (limits.py): beyond these an answer that passes its own checks is silently wrong.
@@ -60,7 +64,7 @@ def solve(values: dict) -> dict:
     """One case: how it ended (``outcome``, ``why``) and its numbers."""
     start = time.perf_counter()
     try:
-        row = _measure(resolve(values))
+        row = _measure(make_scene(values, base=None))
     except SceneError as reason:
         row = {"outcome": REFUSED, "why": str(reason)}
     except SolveError as reason:
@@ -79,9 +83,9 @@ def _measure(scene: Scene) -> dict:
     checks = check(history, simulation.scaled.indenter.height, "coupling" in simulation.effects)
     defects = {name: c.value for name, c in checks.items() if not c.holds}
     balance = worst_defect(meter.steps, ENERGY_ROUND_OFF * tolerance / ENERGY)
-    if balance > (CONSISTENCY if scene["solver.theta"] else ENERGY):
+    if balance > (CONSISTENCY if scene.solver.theta else ENERGY):
         defects["energy balance"] = balance
-    drifting = drift(history) if scene.values.get("load.cycles", 0) > 1 else 0.0
+    drifting = drift(history) if scene.cycles > 1 else 0.0
     if drifting > max(DRIFT, 10 * tolerance):
         defects["drift"] = drifting
     unsettled = max(entry.residual / entry.tolerance for entry in history.entries)
@@ -116,50 +120,41 @@ def _errors(simulation: Simulation) -> dict[str, float]:
         reference = of_same_physics(simulation)
     except NoReference:
         return {}
-    if isinstance(reference, ClosedForm) or simulation.scene["reference.kind"] == "half-plane":
+    if isinstance(reference, Springs) or simulation.scene.reference.kind == "half-plane":
         return compare(simulation.history, reference)
     return {}
 
 
 def main(arguments: list[str]):
     """Solve what is not yet solved, then write the tables and the picture of all."""
-    request, cases = on_root(lambda: _request(arguments))
-    files = {name: request.output / "cases" / f"{number:03d}.json" for number, name in enumerate(cases)}
-    for number, (name, values) in enumerate(cases.items()):
-        done = _read(files[name])
-        if number % comm.size != comm.rank or (done and done["values"] == _plain(values)):
-            continue
-        row = {"name": name, "values": _plain(values)} | solve(values)
-        write_text(files[name], json.dumps(row))
-        print(
-            f"{number + 1:4d}/{len(cases)}  {row['outcome']:10s} {row['seconds']:6.1f} s  {name}  {row['why']}"[:230],
-            flush=True,
-        )
-    comm.Barrier()
+    given, cases = on_root(lambda: read(arguments))
+    with workers(comm) as executor:
+        if comm.rank == 0:
+            rows = solve_all(cases, Store(given.output / "cases.jsonl"), executor)
     if comm.rank == 0:
-        rows = [row for row in map(_read, files.values()) if row is not None]
-        write_table(request.output / "stability.csv", rows, left_out=("values",))
-        write_text(request.output / "stability.md", table(rows))
-        picture(request.output / "stability.png", rows)
-        say(summary(rows) + f"\nwritten to {request.output}: stability.csv, stability.md, stability.png")
-    comm.Barrier()
+        write_table(given.output / "stability.csv", rows)
+        write_text(given.page, table(rows))
+        picture(given.output / "stability.png", rows)
+        say(summary(rows) + f"\nwritten to {given.output}: stability.csv, stability.png; {given.page}")
 
 
-def _request(arguments):
-    parser = argparse.ArgumentParser(prog="python -m simulations.studies.stability", description=__doc__)
-    parser.add_argument("--output", type=Path, default=Path("results/stability"), metavar="DIR")
+def solve_all(cases: dict[str, dict], store: Store, executor: Executor | None) -> list[dict]:
+    """Rows of all cases; what ends a case in a way that nobody foresaw is no answer."""
+    items = [Item(name, values) for name, values in cases.items()]
+    rows = run_all(items, solve, store, executor, say)
+    unforeseen = [{"outcome": FAILED, "why": row[NO_ROW], "seconds": 0.0} if NO_ROW in row else row for row in rows]
+    return [{"name": item.name} | row for item, row in zip(items, unforeseen, strict=True)]
+
+
+def read(arguments: list[str]) -> tuple[Namespace, dict[str, dict]]:
+    """The checked command line and its cases; SceneError where it is wrong."""
+    parser = study_parser("stability", __doc__, "results/stability", "the table (default: DIR/stability.md)")
     parser.add_argument("--only", nargs="+", default=[], metavar="STUDY", help="studies of stability.toml")
-    request = parser.parse_args(arguments)
-    (request.output / "cases").mkdir(parents=True, exist_ok=True)
-    return request, read_cases(request.only)
-
-
-def _plain(values):
-    return json.loads(json.dumps(values))
-
-
-def _read(file: Path) -> dict | None:
-    return json.loads(file.read_text()) if file.exists() else None
+    given = parser.parse_args(arguments)
+    cases = read_cases(given.only)
+    given.page = given.page or given.output / "stability.md"
+    make_folders(given)
+    return given, cases
 
 
 if __name__ == "__main__":

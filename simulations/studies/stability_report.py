@@ -6,12 +6,14 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 
+from ..output import style
+
 GREEN, REFUSED, FAILED, WRONG = "green", "refused", "no answer", "wrong"
-COLOURS = {GREEN: "#009E73", REFUSED: "#E69F00", FAILED: "#0072B2", WRONG: "#D55E00"}  # colour-blind safe
+COLOURS = {GREEN: style.GREEN, REFUSED: style.ORANGE, FAILED: style.BLUE, WRONG: style.RED}
 MEANING = {
     GREEN: "converged, all checks hold",
     REFUSED: "refused with the reason",
-    FAILED: "ended with the reason, no answer",
+    FAILED: "without an answer",
     WRONG: "off the reference though all checks hold",
 }
 

@@ -23,11 +23,11 @@ def plain(tmp_path_factory):
 def test_a_line_an_increment_with_the_time_left(plain):
     lines = [line for line in plain.splitlines() if re.match(r" *\d+/11 ", line)]
     assert len(lines) == 11
-    assert all(re.search(r", \d+ s left$", line) for line in lines[:-1]) and "left" not in lines[-1]
+    assert all(re.search(r", [\d.]+ s left$", line) for line in lines)
     assert "\x1b" not in plain and "\r" not in plain
 
 
-@pytest.mark.parametrize("seconds, words", [(0.2, "0 s"), (99, "99 s"), (150, "2 min"), (5990, "1 h 40 min")])
+@pytest.mark.parametrize("seconds, words", [(0.2, "0.2 s"), (99, "99 s"), (150, "2 min"), (5990, "1 h 40 min")])
 def test_durations(seconds, words):
     assert progress.duration(seconds) == words
 
@@ -71,11 +71,38 @@ def test_an_option_that_nothing_asks_for_is_named_once(tmp_path):
     assert (done.stdout + done.stderr).count("-fretting_snes_monitr") == 1
 
 
-def test_warnings_come_once(capfd, monkeypatch):
-    monkeypatch.setattr(command.signal, "signal", lambda *pair: None)
+def test_warnings_come_once(capfd):
     with warnings.catch_warnings():
         warnings.simplefilter("always")
-        command._listen()
+        command._warn_in_one_line()
         for _ in range(3):
             warnings.warn("the mesh is coarse", UserWarning, stacklevel=1)
     assert capfd.readouterr().err == "warning: the mesh is coarse\n"
+
+
+def test_every_phase_is_announced(plain):
+    for phase in ("mesh ... ", "forms (compiled the first time", "reference ... ", "picture ... "):
+        assert len(re.findall(rf"^{re.escape(phase)}.*\d s$", plain, re.M)) == 1, phase
+
+
+def test_each_value_stands_beside_its_own_error(plain):
+    """c/a beside the error of c/a, which is not that of c; the reference's name is whole."""
+    rows = {line[:28].strip(): line[28:].split() for line in plain.splitlines() if re.match(r"[a-z].*\[", line)}
+    assert {"contact half-width a [m]", "peak pressure [Pa]", "stick half-width c/a [-]"} <= set(rows)
+    for name in ("contact half-width a [m]", "peak pressure [Pa]", "stick half-width c/a [-]"):
+        mine, theirs, error = map(float, rows[name])
+        assert mine / theirs - 1 == pytest.approx(error, rel=0.1, abs=1e-7), name
+    assert re.search(r"^ +computed +closed form +relative error$", plain, re.M)
+
+
+def test_results_are_printed_without_a_reference(tmp_path):
+    done = run_command(*coarse_arguments(tmp_path, reference__kind='"none"'))
+    assert done.returncode == 0
+    assert re.search(r"^stick half-width c/a \[-\] +0\.3\d+$", done.stdout, re.M)
+    assert "peak pressure [Pa]" in done.stdout and "relative" not in done.stdout
+
+
+def test_version_and_commands():
+    assert run_command("--version").stdout == "graded-fretting 0.1.0\n"
+    done = run_command(module="simulations")
+    assert done.returncode == 0 and "fretting [SCENE.toml]" in done.stdout and "report DIR" in done.stdout

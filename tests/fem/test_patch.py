@@ -9,7 +9,7 @@ from simulations.fem.body import ElasticBody, X, Y
 from simulations.fem.contact_problem import ContactProblem, Nitsche
 from simulations.fem.mesh import create_mesh
 from simulations.fem.surface import SurfaceSampler
-from simulations.solvers.condensed.compliance import Compliance
+from simulations.solvers.condensed.surface_compliance import SurfaceCompliance
 from simulations.solvers.condensed.system import CondensedSystem
 from simulations.solvers.full import FullSystem
 from simulations.solvers.newton import Newton
@@ -33,19 +33,19 @@ def confined_block(k, mixed=False):
     return ElasticBody(mesh, facets, modulus, NU, exact, WIDTH, mixed), exact
 
 
-def press(body, friction, load, method):
-    """Equilibrium with a flat punch that covers the whole surface: pressed first, then sheared."""
-    compliance = Compliance(body)
+def pressed(body, friction, load, method) -> ContactProblem:
+    """In equilibrium with a flat punch that covers the whole surface: pressed first, then sheared."""
+    compliance = SurfaceCompliance(body)
     body.delta.value[:] = (0.0, 0.1)
     stages = [(False, (0.0, load[1])), (True, load)]
     for with_friction, stage_load in stages[: 1 + friction]:
-        problem = ContactProblem(body, lambda x: 0.0 * x, Nitsche(), (X, Y) if with_friction else (Y,), mu=0.5)
+        problem = ContactProblem(body, np.zeros_like, Nitsche(), (X, Y) if with_friction else (Y,), mu=0.5)
         if with_friction:
             problem.memory.release()
         system = FullSystem(problem) if method == "full" else CondensedSystem(problem, compliance)
         result = Newton(system, body.mesh.comm).solve(stage_load, predict=with_friction)
         assert result.converged, result.reason
-    return SurfaceSampler(body, problem).sample(problem)
+    return problem
 
 
 @pytest.mark.parametrize("method", ["full", "condensed"])
@@ -54,7 +54,8 @@ def press(body, friction, load, method):
 def test_uniform_tractions(k, mixed, friction, method):
     body, exact = confined_block(k, mixed)
     load = (0.2 if friction else 0.0, 0.8)
-    state = press(body, friction, load, method)
+    problem = pressed(body, friction, load, method)
+    state = SurfaceSampler(body, problem).sample(problem)
     u = exact(0.0, 0.0, P=load[1], Q=load[0])
     assert state.pressure == pytest.approx(load[1] / WIDTH, rel=1e-9)
     assert state.traction == pytest.approx(load[0] / WIDTH, rel=1e-9, abs=1e-12)

@@ -7,7 +7,7 @@ import pytest
 from conftest import coarse_arguments
 
 from simulations import fretting, report
-from simulations.scene.language import SceneError
+from simulations.scene import SceneError
 
 
 class Page(HTMLParser):

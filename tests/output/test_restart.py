@@ -3,6 +3,7 @@
 import csv
 import json
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -18,7 +19,7 @@ from conftest import MPI_ENVIRONMENT, ROOT, coarse_arguments, run_command
 
 from simulations import fretting, indentation
 from simulations.output import files as output
-from simulations.scene.language import SceneError
+from simulations.scene import SceneError
 
 SAME = 1e-10  # relative to the largest value: what an interruption may change
 QUANTITIES = ("pressure", "traction", "slip", "P", "Q")
@@ -233,7 +234,7 @@ def test_stopped_by_a_signal(ranks, number, uninterrupted, tmp_path):
     assert_same(folder, uninterrupted)
 
 
-@pytest.mark.parametrize("call", [3, 12, 31])
+@pytest.mark.parametrize("call", [3, 12, 31, 38, 40, 42])
 def test_full_disk(call, uninterrupted, tmp_path, monkeypatch):
     """The disk is full at some write: one line, what was whole stays whole, and the run goes on when there is room."""
     folder, calls, fsync = tmp_path / "run", [], os.fsync
@@ -273,6 +274,10 @@ def stopped(uninterrupted, tmp_path, monkeypatch):
     return folder
 
 
+def contents(folder):
+    return {path.relative_to(folder): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
 def refusal(capfd, *arguments):
     with pytest.raises(SceneError) as error:
         fretting.main([str(word) for word in arguments])
@@ -291,13 +296,39 @@ def test_a_scene_changed_since_is_refused(stopped, capfd):
     assert "changed afterwards" in refusal(capfd, "--resume", stopped)
 
 
-DAMAGE = [("memory.npz", b"PK\3\4 nonsense"), ("memory.npz", b""), ("states.bin", b"1")]
+DAMAGE = {
+    "nonsense": ("memory.npz", lambda old: b"PK\3\4 nonsense", "not a zip file"),
+    "empty": ("memory.npz", lambda old: b"", "No data left"),
+    "cut short": ("memory.npz", lambda old: old[: len(old) // 2], "not a zip file"),
+    "zeroed tail": ("memory.npz", lambda old: old[:-200] + bytes(200), "not a zip file"),
+    "another byte": ("memory.npz", lambda old: old[:2000] + bytes([old[2000] ^ 1]) + old[2001:], ""),
+    "states cut short": ("states.bin", lambda old: old[:-1], "states.bin is too short"),
+    "states with a zeroed tail": ("states.bin", lambda old: old[:-400] + bytes(400), "not as it was written"),
+}
 
 
-@pytest.mark.parametrize("name, content", DAMAGE)
-def test_damaged_checkpoint_is_refused(stopped, capfd, name, content):
-    (stopped / "checkpoint" / name).write_bytes(content)
-    assert "checkpoint cannot be read" in refusal(capfd, "--resume", stopped)
+@pytest.mark.parametrize("name, damaged, why", DAMAGE.values(), ids=DAMAGE)
+def test_damaged_checkpoint_is_refused(stopped, capfd, name, damaged, why):
+    path = stopped / "checkpoint" / name
+    path.write_bytes(damaged(path.read_bytes()))
+    before = contents(stopped)
+    said = refusal(capfd, "--resume", stopped)
+    assert "checkpoint cannot be read" in said and why in said and "--overwrite" in said
+    assert contents(stopped) == before
+
+
+def test_the_checkpoint_of_another_version_is_refused(stopped, capfd, monkeypatch):
+    monkeypatch.setattr("simulations.output.checkpoint.__version__", "9.9.9")
+    assert "graded-fretting 0.1.0 made it, and this is 9.9.9" in refusal(capfd, "--resume", stopped)
+
+
+def test_what_a_resumed_run_reports_of_earlier_increments(stopped, uninterrupted):
+    """Tolerances and changes of contact states are kept too: checks and history.csv are as if nothing had happened."""
+    fretting.main(["--resume", str(stopped), "--quiet"])
+    for one, other in zip(history(stopped), history(uninterrupted), strict=True):
+        assert one["states_changed"] == other["states_changed"]
+    checks = [json.loads((folder / "summary.json").read_text())["checks"] for folder in (stopped, uninterrupted)]
+    assert {name: c["limit"] for name, c in checks[0].items()} == {name: c["limit"] for name, c in checks[1].items()}
 
 
 def test_a_folder_without_a_run_is_refused(tmp_path, capfd):
@@ -306,9 +337,13 @@ def test_a_folder_without_a_run_is_refused(tmp_path, capfd):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_new_run_in_the_folder_of_an_old_one(stopped, uninterrupted):
-    """Nothing of the stopped run is left in the new one's files."""
-    fretting.main(coarse_arguments(stopped, **RUN, load__cycles=0))
+def test_a_new_run_in_the_folder_of_an_old_one(stopped, uninterrupted, capfd):
+    """Refused, but where the old one is to be replaced: then nothing of it is left in the new one's files."""
+    again = coarse_arguments(stopped, **RUN, load__cycles=0)
+    before = contents(stopped)
+    assert re.search("holds a run that was stopped; go on with --resume .* --overwrite", refusal(capfd, *again))
+    assert contents(stopped) == before
+    fretting.main([*again, "--overwrite"])
     assert len(history(stopped)) == 3
     assert not (stopped / "checkpoint").exists()
     assert len(list((stopped / "fields").iterdir())) == 3  # mesh, normal stage, A

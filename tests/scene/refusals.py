@@ -1,7 +1,7 @@
 """Wrong scenes and command lines, and what the one line about each has to say.
 
-Run under mpirun by test_bad_input: ``python tests/scene/refusals.py`` tries all of them in the current folder on every rank
-and prints, as JSON, the line of each, the seconds it took and what it left behind.
+Run under mpirun by test_bad_input: ``python tests/scene/refusals.py`` tries all of them in the current folder on every
+rank and prints, as JSON, the line of each, the seconds it took and what it left behind.
 """
 
 import json
@@ -10,8 +10,7 @@ import time
 from pathlib import Path
 
 from simulations import fretting
-from simulations.scene.language import SceneError
-from simulations.scene.scene import DEFAULT_SCENE
+from simulations.scene import DEFAULT_SCENE, SceneError
 
 SOLID = "[solid]\nE0 = 2e11\nk = 0.3\nnu = 0.3\ny0 = 0.01\n[indenter]\nR = 0.1\n"
 SCENES: dict[str, str | bytes] = {
@@ -53,6 +52,7 @@ REFUSED: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     # unknown
     "misspelt key": (by_set("load.amplitud=0.5"), ("load.amplitud", "did you mean load.amplitude?")),
     "wrong case": (by_set("solid.e0=1"), ("did you mean solid.E0?",)),
+    "Q_A": (by_set("load.Q_A=2.7e5"), ("load.Q_A = 270000.0", "did you mean load.amplitude = Q_A/(mu P)?")),
     "wrong table": (by_set("solid.mu=0.2"), ("solid.mu", "did you mean load.mu?")),
     "no table": (("key_without_table.toml",), ("k = 0.3", "did you mean solid.k?")),
     "unknown in a table": (by_set("mesh.zzz=1"), ("mesh.zzz", "mesh.facet")),
@@ -78,23 +78,23 @@ REFUSED: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "date": (("date.toml",), ("solid.k", "a number")),
     "wrong word": (by_set("solid.nu=hall"), ("solid.nu = 'hall'", '"holl"')),
     # ranges
-    "k": (by_set("solid.k=1.2"), ("solid.k = 1.2", "]-1, 1[")),
-    "k = -1": (by_set("solid.k=-1"), ("solid.k = -1", "]-1, 1[")),
-    "nu": (by_set("solid.nu=0.6"), ("solid.nu = 0.6", "]-1, 0.5]")),
-    "E0": (by_set("solid.E0=0"), ("solid.E0 = 0", "]0, inf[")),
-    "negative P": (by_set("load.P=-1e6"), ("load.P = -1000000.0", "]0, inf[")),
-    "amplitude": (by_set("load.amplitude=1.0"), ("load.amplitude = 1.0", "[1e-06, 1[")),
-    "no amplitude at all": (by_set("load.amplitude=0"), ("load.amplitude = 0", "[1e-06, 1[")),
-    "cycles": (by_set("load.cycles=-1"), ("load.cycles = -1", "[0, 1000]")),
-    "facet": (by_set("mesh.facet=0"), ("mesh.facet = 0", "[0.001, 0.5]")),
-    "extent": (by_set("mesh.extent=1"), ("mesh.extent = 1", "[4, 10000]")),
-    "increments": (by_set("solver.increments=0"), ("solver.increments = 0", "[1, 1000]")),
-    "theta out of range": (by_set("solver.theta=2"), ("solver.theta = 2", "[-1, 1]")),
+    "k": (by_set("solid.k=1.2"), ("solid.k = 1.2", "-1 < value < 1")),
+    "k = -1": (by_set("solid.k=-1"), ("solid.k = -1", "-1 < value < 1")),
+    "nu": (by_set("solid.nu=0.6"), ("solid.nu = 0.6", "-1 < value ≤ 0.5")),
+    "E0": (by_set("solid.E0=0"), ("solid.E0 = 0", "a number > 0")),
+    "negative P": (by_set("load.P=-1e6"), ("load.P = -1000000.0", "a number > 0")),
+    "amplitude": (by_set("load.amplitude=1.0"), ("load.amplitude = 1.0", "1e-06 ≤ value < 1")),
+    "no amplitude at all": (by_set("load.amplitude=0"), ("load.amplitude = 0", "1e-06 ≤ value < 1")),
+    "cycles": (by_set("load.cycles=-1"), ("load.cycles = -1", "0 ≤ value ≤ 1000")),
+    "facet": (by_set("mesh.facet=0"), ("mesh.facet = 0", "0.001 ≤ value ≤ 0.5")),
+    "extent": (by_set("mesh.extent=1"), ("mesh.extent = 1", "4 ≤ value ≤ 10000")),
+    "increments": (by_set("solver.increments=0"), ("solver.increments = 0", "1 ≤ value ≤ 1000")),
+    "theta out of range": (by_set("solver.theta=2"), ("solver.theta = 2", "-1 ≤ value ≤ 1")),
     # no numbers
     "nan": (by_set("indenter.R=nan"), ("indenter.R = nan", "a number")),
     "infinity": (by_set("indenter.R=inf"), ("indenter.R = inf", "a number")),
     "1e400": (by_set("load.P=1e400"), ("load.P = inf", "a number")),
-    "1e-400": (by_set("load.P=1e-400"), ("load.P = 0.0", "]0, inf[")),
+    "1e-400": (by_set("load.P=1e-400"), ("load.P = 0.0", "a number > 0")),
     "huge integer": (by_set("load.P=1" + "0" * 400), ("load.P", "a number")),
     "endless integer": (("digits.toml",), ("not TOML", "digits")),
     # missing
@@ -158,6 +158,10 @@ REFUSED: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "not convex": (by_set(FORMULA, "indenter.formula=x**2/R-1e7*x**4"), ("not convex",)),
     "does not start at 0": (by_set(FORMULA, "indenter.formula=1+x**2"), ("indenter.formula",)),
     "two arguments": (by_set(FORMULA, "indenter.formula=sqrt(x, x)"), ("indenter.formula", "arithmetic")),
+    "kink": (
+        by_set(FORMULA, "indenter.formula=x**2/(2*R)+0.02*(x-5e-4+sqrt((x-5e-4)**2))"),
+        ("indenter.formula", "a kink"),
+    ),
     # files
     "absent scene": (("absent.toml",), ("absent.toml", "No such file")),
     "folder for a scene": ((".",), ("cannot be read", "Is a directory")),

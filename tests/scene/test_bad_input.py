@@ -10,8 +10,7 @@ import pytest
 from conftest import MPI_ENVIRONMENT, ROOT, coarse_arguments, run_command
 from refusals import REFUSED, SCENES, refusal, write_scenes
 
-from simulations.scene.language import SceneError
-from simulations.scene.scene import DEFAULT_SCENE, parse
+from simulations.scene import DEFAULT_SCENE, SceneError, parse
 
 SECONDS = 5
 

@@ -6,8 +6,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from simulations.scene.language import SceneError
-from simulations.scene.scene import DEFAULT_SCENE, Scene, language, parse
+from simulations.scene import DEFAULT_SCENE, Scene, SceneError, language, parse
 
 QUICK = settings(max_examples=150, deadline=5000, suppress_health_check=list(HealthCheck), derandomize=True)
 KEYS = sorted(language())

@@ -4,14 +4,14 @@ from contextlib import ExitStack
 
 import numpy as np
 import pytest
-from mpi4py import MPI
 from conftest import coarse_overrides
+from mpi4py import MPI
 
 from forms.contact import BACKWARD, CLOSED, FORWARD, OPEN, X, Y
 from simulations.fem.contact_problem import ContactProblem, Nitsche
-from simulations.run.simulation import Simulation
-from simulations.scene.scene import DEFAULT_SCENE, parse
-from simulations.solvers.condensed.compliance import Compliance
+from simulations.runs.simulation import Simulation
+from simulations.scene import DEFAULT_SCENE, parse
+from simulations.solvers.condensed.surface_compliance import SurfaceCompliance
 from simulations.solvers.condensed.system import CondensedSystem
 from simulations.solvers.full import FullSystem
 
@@ -68,7 +68,7 @@ def test_full_system(partly_slipping, directions, theta, all_stick):
 @EVERY_CASE
 def test_condensed_system(partly_slipping, directions):
     problem, load = perturbed_problem(partly_slipping, directions, theta=0.0), partly_slipping[-1]
-    system = CondensedSystem(problem, Compliance(problem.body))
+    system = CondensedSystem(problem, SurfaceCompliance(problem.body))
     assert relative_defect(system, load, np.random.default_rng(1)) < 1e-6
 
 
@@ -90,7 +90,7 @@ def test_the_states_are_all_there(partly_slipping, directions):
 def perturbed_problem(partly_slipping, directions, theta):
     """A problem on the body whose anchor and friction make some points stick and some slide."""
     simulation, pressed, _ = partly_slipping
-    body, height, mu = simulation.body, simulation.scaled.indenter.height, simulation.scene["load.mu"]
+    body, height, mu = simulation.body, simulation.scaled.indenter.height, simulation.scene.load.mu
     nitsche = Nitsche(gamma0=3.0, theta=theta)
     problem = ContactProblem(body, height, nitsche, directions, mu)
     if directions == HELD_PRESSURE:

@@ -10,7 +10,7 @@ from matplotlib import pyplot as plt
 from mpi4py import MPI
 from scipy.special import hyp2f1
 
-from simulations.run.simulation import Simulation
+from simulations.runs.simulation import Simulation
 from simulations.studies.figures import FIGURES, lines
 from simulations.studies.paper import comparisons, distributions, energies
 from simulations.studies.paper.elements import Deviation, Runs
@@ -111,7 +111,8 @@ def test_table_names_command_picture_and_both_kinds():
         10: [Deviation("b", "one", "slip", "error", 2e-5, 1e-5), Deviation("b", "two", "slip", "difference", 0.2, 0.1)]
     }
     row = lines(found)[-1]
-    for word in ("python -m simulations.studies.figures 10", "figure10.png", "error 2.0e-05", "difference 2.0e-01", "(two)"):
+    command = "python -m simulations.studies.figures 10"
+    for word in (command, "figure10.png", "error 2.0e-05", "difference 2.0e-01", "(two)"):
         assert word in row
 
 
@@ -133,11 +134,15 @@ def test_every_figure_is_listed_with_a_picture(page):
         ("maps", ["--nu", "0.7"], "--nu 0.7"),
         ("maps", ["--amplitudes", "nan"], "--amplitudes nan"),
         ("claims", ["--figure"], "--figure"),
-        ("fields_panel", ["absent"], "absent"),
+        ("ablation", ["--repeats", "0"], "--repeats 0"),
+        ("cost", ["--only", "nonsense"], "nonsense"),
+        ("coupling", ["--values", "1", "3"], "--values 1 3"),
+        ("stability", ["--only", "nonsense"], "nonsense"),
+        ("body_stress", ["absent"], "absent"),
     ],
 )
 def test_wrong_command_line_is_one_line(tmp_path, module, arguments, word):
-    done = run_command(*arguments, module=f"simulations.{module}", cwd=tmp_path, timeout=60)
+    done = run_command(*arguments, module=f"simulations.studies.{module}", cwd=tmp_path, timeout=60)
     assert done.returncode == 2
     assert done.stdout == ""
     assert len(done.stderr.strip().splitlines()) == 1

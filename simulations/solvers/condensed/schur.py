@@ -1,6 +1,8 @@
-"""A sparse factorisation that stops before some unknowns, and leaves their dense Schur complement.
+"""Partial sparse factorisation: some unknowns are kept, and their dense Schur complement is returned.
 
-MUMPS does this, PETSc passes it on, petsc4py does not: the two calls it lacks are made through PETSc's C interface.
+MUMPS does this and PETSc passes it on, but petsc4py 3.22 has no such call. So the PETSc functions are called
+through ctypes, from the library that petsc4py itself is linked to. Solving for every column of the surface
+compliance instead takes 2.8 s where this takes 0.4 s (58 098 unknowns).
 """
 
 import ctypes
@@ -57,6 +59,9 @@ def _schur_complement(factor: PETSc.Mat, m: int) -> np.ndarray:
 
 
 def _call(name: str, first, *others):
+    """Call a PETSc function whose first argument is an object; RuntimeError where this PETSc has no such function."""
+    if not hasattr(_petsc, name):
+        raise RuntimeError(f'this PETSc has no {name}: set solver.method = "full"')
     handle = ctypes.c_void_p(first.handle) if isinstance(first, PETSc.Object) else first
     code = getattr(_petsc, name)(handle, *others)
     if code:

@@ -1,7 +1,7 @@
-"""The condensed Newton step: the contact forces and the rigid motion of the cylinder, nothing else.
+"""The condensed Newton step: unknowns are the nodal contact forces and the rigid displacements of the indenter.
 
-With theta = 0 and integration at the nodes only the surface nodes are loaded, and the body is linear. Its
-response R to unit forces is known (``compliance``); then u = U load + R f, and Newton's method runs on the dense system
+With theta = 0 and integration at the nodes only the surface nodes are loaded, and the body is linear. Its compliance
+matrix C is known (``surface_compliance``). Then u = U load + C f, and Newton's method runs on the dense system
 
     f - f_contact(u(f), delta) = 0,    sum of f = (Q, P).
 
@@ -14,32 +14,28 @@ from scipy.sparse import csr_matrix
 
 from ...fem.body import Y
 from ...fem.contact_problem import ContactProblem
-from .compliance import Compliance
-from .response import SharedResponse
+from .surface_compliance import SurfaceCompliance
 from .tangent import DenseTangent
-from .workers import Workers
-
-CARRIED = 1e-11  # forces that the last digits of a displacement make, over the load, up to which it is carried over
 
 
 class CondensedSystem:
-    """Unknowns: nodal forces, direction by direction, then delta; all on rank 0, which leads the others."""
+    """Unknowns: nodal forces, direction by direction, then delta; all on rank 0."""
 
-    def __init__(self, problem: ContactProblem, compliance: Compliance):
+    def __init__(self, problem: ContactProblem, compliance: SurfaceCompliance):
         self.problem, self.compliance = problem, compliance
         self._rigid = list(problem.directions)
         self._comm, self._is_root = compliance.comm, compliance.comm.rank == 0
         self.size = len(self._rigid) * (compliance.n + 1)
         self._sides = problem.body.symmetry_factor
-        self._workers = Workers(self._comm)
-        self._response = SharedResponse(self._workers, compliance.response(problem.directions))
-        self.dense = DenseTangent(self._workers, self._response, self._translations(), self._sides)
+        self._matrix = compliance.matrix(problem.directions)
+        translations = self._translations()
+        self.dense = DenseTangent(self._matrix, translations, self._sides) if self._is_root else None
         self._pattern = _TangentPattern(problem, compliance)
-        # Displacement of the strip beyond that of the forces: what a new load has not yet moved. The first
-        # step removes it, so that the contact states it starts from are those of the fields, not of a jump.
+        # Part of the strip displacement that the current forces do not cause, after a change of the load. The first
+        # step removes it, so that this step starts from the contact states of the fields.
         self._offset, self._has_offset = np.zeros(len(compliance.strip)), False
-        self._held = None, None  # forces of a pressure held, and their displacement
-        self._left = None  # the strip as ``finish`` left it, and the forces it was left with
+        self._held = None, None  # forces of the held pressure, and their displacement
+        self._left = None  # the strip displacement at the last ``finish``, and the forces that belong to it
 
     def create_vector(self) -> PETSc.Vec:
         """A vector of the unknowns."""
@@ -53,21 +49,20 @@ class CondensedSystem:
         body.set_far_field(load.components)
         if held is not self._held[0]:
             collected = compliance.collect(held[compliance.surface])
-            self._held = held, self._comm.reduce(compliance.response((Y,)).apply(collected))
+            self._held = held, compliance.matrix((Y,)).apply(collected) if self._is_root else None
         if self._is_root:
             self._constant = compliance.far @ self._load
             if held is not None:
                 self._constant += self._held[1]
-        self._shown = None, None  # the last forces shown, and their displacement ...
-        self._largest = 0.0  # ... and the largest of those that it was carried over from
+        self._shown = None, None  # the last forces whose displacement was needed, and that displacement
         strip = compliance.strip_values()
         if self._left is not None and np.array_equal(strip, self._left[0]):
             forces = self._left[1]
         else:
             forces = self._contact_forces()
-        displacement = self._workers.lead(lambda: self._displacement(forces))
         if self._is_root:
-            self._shown, self._largest = (forces, displacement), np.abs(displacement).max()
+            displacement = self._displacement(forces)
+            self._shown = forces, displacement
             self._offset = strip - displacement
         self._has_offset = self._comm.bcast(bool(np.any(self._offset)))
         self._put(np.concatenate([forces, body.delta.value[self._rigid]]), x)
@@ -80,7 +75,7 @@ class CondensedSystem:
         load = self._load[self._rigid]
         imbalance = self._sums(forces) - load
         self._put(np.concatenate([forces - contact, imbalance]), f)
-        if self._has_offset:  # what is left to balance is known only without it
+        if self._has_offset:  # the residual that counts is the one without it
             self._show(forces, rigid, with_offset=False)
             contact = self._contact_forces()
             self._show(forces, rigid)
@@ -93,25 +88,26 @@ class CondensedSystem:
         forces, rigid = self._get(x)
         self._show(forces, rigid)
         tangent = self._pattern.assemble()
-        self._workers.lead(lambda: self.dense.factorise(tangent))
         if self._is_root:
+            self.dense.factorise(tangent)
             self._removed = np.concatenate([-(tangent @ self._offset), np.zeros(len(self._rigid))])
 
     def solve(self, b, x):
         """x = J^-1 b; nan where the cylinder is free to move (every point slips)."""
-        step = self._workers.lead(lambda: self.dense.solve(b.array_r + self._removed, abs(self._load[Y])))
-        self._put(step, x)
+        if self._is_root:
+            x.array[:] = self.dense.solve(b.array_r + self._removed, abs(self._load[Y]))
         self._offset[:] = 0.0
         self._has_offset = False
 
     def multiply(self, x, y):
         """y = J x."""
-        self._put(self._workers.lead(lambda: self.dense.multiply(x.array_r)), y)
+        if self._is_root:
+            y.array[:] = self.dense.multiply(x.array_r)
 
     def finish(self, x):
         """Leave the strip in the problem's fields; the rest of the body follows when it is asked for."""
         forces, rigid = self._get(x)
-        # gamma times the last digits of u is visible in the tractions: keep those that balance the loads
+        # gamma times the last digits of u is visible in the tractions: keep the u whose tractions balance the loads
         self._show(forces, rigid)
         self._left = self.compliance.strip_values(), forces
         self.problem.body.complete_later(self.compliance.recover)
@@ -126,7 +122,7 @@ class CondensedSystem:
         return np.zeros(0) if self._left is None else self._left[1]
 
     def take_up(self, forces: np.ndarray):
-        """Go on from fields that an earlier run's ``finish`` left with these forces."""
+        """Continue from fields of an earlier run, whose last ``finish`` left these forces."""
         if forces.size:
             self._left = self.compliance.strip_values(), forces
 
@@ -134,29 +130,16 @@ class CondensedSystem:
         """Displacements of the strip under ``forces``, and the rigid motion, into the problem's fields."""
         body = self.problem.body
         body.delta.value[self._rigid] = rigid
-        self.compliance.put(self._workers.lead(lambda: self._strip(forces, with_offset)))
+        self.compliance.put(self._strip(forces, with_offset) if self._is_root else None)
 
     def _strip(self, forces, with_offset):
         """Displacements (r,) of the strip under ``forces``, with the offset or without."""
         if not np.array_equal(forces, self._shown[0]):
-            self._shown = forces, self._after_step(forces)
+            self._shown = forces, self._displacement(forces)
         return self._shown[1] + self._offset if with_offset else self._shown[1]
 
     def _displacement(self, forces):
-        return self._constant + self._response.apply(forces)
-
-    def _after_step(self, forces):
-        """``_displacement``, without a product with R where the dense step that led here has just made it."""
-        before, displacement = self._shown
-        step, moved = self.dense.moved
-        if before is not None and step is not None and np.array_equal(forces, before - step):
-            after = displacement - moved
-            self._largest = max(self._largest, np.abs(after).max())
-            if self.problem.terms.force_per_digit * self._largest <= CARRIED * abs(self._load[Y]):
-                return after
-        after = self._displacement(forces)
-        self._largest = np.abs(after).max()
-        return after
+        return self._constant + self._matrix.apply(forces)
 
     def _contact_forces(self):
         nodal = self.problem.terms.contact_forces(self.compliance.surface)[:, self._rigid]
@@ -179,7 +162,7 @@ class CondensedSystem:
 class _TangentPattern:
     """Gathers the contact tangent of all ranks into one sparse matrix (mn, r) on rank 0."""
 
-    def __init__(self, problem: ContactProblem, compliance: Compliance):
+    def __init__(self, problem: ContactProblem, compliance: SurfaceCompliance):
         self._problem, self._comm = problem, compliance.comm
         local = problem.terms.force_tangent()
         numbered = local.copy()

@@ -1,9 +1,9 @@
-"""The dense Newton step of the condensed problem, on rank 0:  (I + T R) df - T e ddelta = b,  sum df = b_load.
+"""The dense Newton step of the condensed problem, on rank 0:  (I + T C) df - T e ddelta = b,  sum df = b_load.
 
-T (sparse) is minus the derivative of the contact forces by the strip's displacements, R the response of the strip to
-contact forces and e its rigid translations. From one step to the next only rows of T change whose contact state does,
+T (sparse) is minus the derivative of the contact forces by the strip's displacements, C the compliance matrix of the
+strip and e its rigid translations. From one step to the next only rows of T change whose contact state does,
 so one matrix is inverted and every other is that one with some rows replaced (Woodbury). A node that opens (df = b) or
-slides (its traction is known from its pressure) has a row of one or two entries, and costs no product with R.
+slides (its traction is known from its pressure) has a row of one or two entries, and costs no product with C.
 """
 
 from dataclasses import dataclass
@@ -12,8 +12,7 @@ import numpy as np
 from scipy.linalg import lapack
 from scipy.sparse import csr_matrix
 
-from .response import SharedResponse
-from .workers import SharedInverse, Workers
+from .matrix import ComplianceMatrix
 
 FEW = 0.15  # share of rows that change otherwise before another matrix is inverted
 EXACT = 1e-10  # residual of a step, over the load and over what it is to balance, beyond which it is refined
@@ -23,7 +22,7 @@ SAME = 1e-13  # relative: rows this close to proportional are
 
 @dataclass
 class Counts:
-    """What was done so far: matrices inverted, rows replaced, and rows that needed R."""
+    """What was done so far: matrices inverted, rows replaced, and rows that needed C."""
 
     inverses: int = 0
     rows: int = 0
@@ -31,23 +30,22 @@ class Counts:
 
 
 class DenseTangent:
-    """Factorises and solves the step for tangents T of one sparsity pattern, on rank 0 while it leads ``workers``.
+    """Factorises and solves the step for tangents T of one sparsity pattern, on rank 0.
 
-    response: R; translations: (r, m), those of the m directions; sides: 2 for half of a problem.
+    matrix: C; translations: (r, m), those of the m directions; sides: 2 for half of a problem.
     """
 
-    def __init__(self, workers: Workers, response: SharedResponse, translations: np.ndarray, sides: float):
-        self._response, self._translations = response, translations
+    def __init__(self, matrix: ComplianceMatrix, translations: np.ndarray, sides: float):
+        self._matrix, self._translations = matrix, translations
         self._rigid = translations.shape[1]
-        self._size = response.shape[1]
-        self._inverse = SharedInverse(workers)
+        self._size = matrix.shape[1]
+        self._inverse = np.empty((0, 0))
         n = self._size // self._rigid
         self._sums = np.hstack([sides * np.kron(np.eye(self._rigid), np.ones(n)), np.zeros((self._rigid, self._rigid))])
         self._base: csr_matrix | None = None
         self._singular: bool = False
         self._known: dict[int, tuple[np.ndarray, np.ndarray]] = {}  # rows of T and of J, by their number
         self.counts = Counts()
-        self.moved: tuple = (None, None)  # forces last multiplied with R, and the displacements that they make
 
     def factorise(self, tangent: csr_matrix):
         """Prepare ``solve`` for T (mn, r)."""
@@ -102,7 +100,7 @@ class DenseTangent:
     def _solve(self, b):
         rows, right = self._rows, b.copy()
         right[rows] = 0.0
-        x = self._inverse.times(right)
+        x = self._inverse @ right
         if len(rows):
             wanted = b[rows] - self._ratio * b[self._pressing] - self._new_rows(x)
             known, _ = lapack.dgetrs(self._lu, self._pivots, wanted)
@@ -111,12 +109,11 @@ class DenseTangent:
 
     def multiply(self, x: np.ndarray) -> np.ndarray:
         """J x."""
-        self.moved = x[: self._size], self._response.apply(x[: self._size])
-        strip = self.moved[1] - self._translations @ x[self._size :]
+        strip = self._matrix.apply(x[: self._size]) - self._translations @ x[self._size :]
         return np.concatenate([x[: self._size] + self._tangent @ strip, self._sums @ x])
 
     def _states(self, tangent):
-        """Rows (mn,) that do not answer, and rows that are their node's pressure's times a ratio, with the ratios."""
+        """Rows (mn,) of T that are zero; rows that are a multiple of their node's pressure row; and those multiples."""
         size = np.maximum.reduceat(np.abs(tangent.data), tangent.indptr[:-1])
         free, sliding, ratio = size == 0.0, np.zeros(self._size, dtype=bool), np.zeros(self._size)
         n = self._size // 2
@@ -142,7 +139,7 @@ class DenseTangent:
     def _full_rows(self, tangent, rows):
         """Rows of J (g, mn + m)."""
         chosen = tangent[rows]
-        full = np.hstack([self._response.times(chosen), -(chosen @ self._translations)])
+        full = np.hstack([self._matrix.times(chosen), -(chosen @ self._translations)])
         full[np.arange(len(rows)), rows] += 1.0
         self.counts.products += len(rows)
         return full
@@ -151,7 +148,7 @@ class DenseTangent:
         """Make ``tangent`` the base: an open node's row is that of the identity and stays out of the factorisation."""
         active = np.append(~free, np.ones(self._rigid, bool))
         matrix = np.vstack([self._full_rows(tangent, np.flatnonzero(~free)), self._sums])
-        self._base_singular = not self._inverse.invert(matrix, active)
+        self._inverse, self._base_singular = _inverse(matrix, active)
         self._base = None if self._base_singular else tangent
         self.counts.inverses += 1
 
@@ -165,7 +162,7 @@ class DenseTangent:
         self._rest = self._known_rows(self._tangent, rest) if len(rest) else np.zeros((0, self._size + self._rigid))
         self._singular = self._base_singular
         if len(self._rows):
-            self._columns = self._inverse.whole.T[self._rows].T
+            self._columns = self._inverse[:, self._rows]
             self._lu, self._pivots, singular = lapack.dgetrf(self._new_rows(self._columns), overwrite_a=True)
             self._singular = self._singular or bool(singular)
             self.counts.rows += len(self._rows)
@@ -175,3 +172,14 @@ class DenseTangent:
         few = len(self._rows) - len(self._rest)
         images = (x[self._rows[:few]].T - self._ratio[:few] * x[self._pressing[:few]].T).T
         return np.concatenate([images, self._rest @ x])
+
+
+def _inverse(rows: np.ndarray, active: np.ndarray) -> tuple[np.ndarray, bool]:
+    """Inverse (n, n) of the matrix whose ``active`` rows (bool (n,)) are ``rows`` (g, n), the others those of the
+    identity; and whether it is singular.
+    """
+    inverse = np.eye(len(active), order="F")
+    right = inverse[active]
+    right[:, ~active] = -rows[:, ~active]
+    *_, inverse[active], singular = lapack.dgesv(rows[:, active], right)
+    return inverse, bool(singular)

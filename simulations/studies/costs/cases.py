@@ -42,6 +42,14 @@ VARIED = {  # one at a time, around the default settings
     "solver.increments": (1, 2, 3, 10, 20),
     "tolerance": (1e-3, 1e-5, 1e-7, 1e-11),
 }
+SWEPT = {  # the coarse meshes of a sweep
+    "mesh.facet": 0.1,
+    "mesh.edge_facet": 0.02,
+    "mesh.growth": 1.6,
+    "mesh.first_layer": 0.02,
+    "mesh.layer_growth": 1.6,
+    "solver.increments": 2,
+}
 SIZES = ((0.1, 2e4), (0.025, 1e5), (0.01, 2e5), (0.004, 5e5), (0.0035, 1e6))  # facet and roughly the unknowns it gives
 
 
@@ -108,6 +116,8 @@ def cases(with_getfem: bool = True) -> list[Case]:
         for ranks in (1, 2):
             found.append(Case("size", "default", f"{unknowns:.0e} on {ranks}", sizes, ranks))
     found += [Case("peer", "peer", f"{t:g}", accuracy.family(t, 0.0) | {"solver.increments": 10}) for t in FINENESS[:7]]
+    ways = [("20 commands", 1), ("one sweep of 20", 1), ("one sweep of 20, with folders", 1), ("one sweep of 20", 2)]
+    found += [Case("sweep", "k=0", f"{level} on {ranks}", SWEPT, ranks) for level, ranks in ways]
     if with_getfem:
         found += [Case("peer", "GetFEM", f"{t:g}") for t in GETFEM]
     return found

@@ -6,13 +6,15 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.ticker import NullFormatter
 
+from ...output.style import BLACK, BLUE, GREEN, PURPLE, RED, SKY
+
 COLOURS = {
-    "default": "#0072B2",
-    "k=-0.5": "#D55E00",
-    "k=0": "#009E73",
-    "k=0.7": "#CC79A7",
-    "peer": "#56B4E9",
-    "GetFEM": "#000000",
+    "default": BLUE,
+    "k=-0.5": RED,
+    "k=0": GREEN,
+    "k=0.7": PURPLE,
+    "peer": SKY,
+    "GetFEM": BLACK,
 }
 MARKERS = {"default": "o", "k=-0.5": "s", "k=0": "^", "k=0.7": "D", "peer": "v", "GetFEM": "X"}
 NAMES = {
@@ -97,7 +99,7 @@ def rates(rows):
                     h,
                     error,
                     marker=marker,
-                    color=["#0072B2", "#D55E00", "#009E73"][int(degree) - 1],
+                    color=(BLUE, RED, GREEN)[int(degree) - 1],
                     label=f"degree {degree}",
                 )
                 rate = np.polyfit(np.log(h), np.log(error), 1)[0]
@@ -129,7 +131,7 @@ def sources(rows):
     figure, axes = plt.subplots(
         1, len(problems), figsize=(max(3.3 * len(problems), 7.0), 3.8), sharey=True, layout="constrained", squeeze=False
     )
-    colours = ["#0072B2", "#56B4E9", "#009E73", "#D55E00", "#000000"]
+    colours = (BLUE, SKY, GREEN, RED, BLACK)
     for axis, problem in zip(axes[0], problems):
         centre = found[problem, "centre"]
         for number, (source, keys) in enumerate(SOURCES.items()):
@@ -150,15 +152,16 @@ def sources(rows):
 
 def pareto(rows):
     """Largest error against seconds: every case of one rank, and those that nothing beats in both."""
+    studies = ("fineness", "degree", "one at a time", "method", "peer")
+    rows = [row for row in rows if row["study"] in studies]
     problems = [
         problem for problem in COLOURS if any(row["problem"] == problem for row in rows) and problem != "GetFEM"
     ]
-    studies = ("fineness", "degree", "one at a time", "method", "peer")
     if not problems:
         return None
     figure, axis = plt.subplots(figsize=(6.4, 5.0), layout="constrained")
     for problem in problems:
-        mine = [row for row in rows if row["problem"] == problem and row["study"] in studies and row["ranks"] == 1]
+        mine = [row for row in rows if row["problem"] == problem and row["ranks"] == 1]
         points = sorted((row["cpu_s"], row["largest"]) for row in mine)
         if points:
             axis.loglog(*zip(*points), MARKERS[problem], color=COLOURS[problem], alpha=0.3, markersize=4)

@@ -3,7 +3,7 @@
 import numpy as np
 from matplotlib.ticker import FuncFormatter
 
-from ..paper.style import GREY, panels
+from ...output.style import GREY, panels
 from .answers import ratios
 from .points import Energies, Point
 

@@ -1,14 +1,16 @@
 """Sentences of Sections 4 and 5 on the cycle and on coupling: how large the difference to the closed forms is."""
 
+from concurrent.futures import Executor
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from analytic.half_plane.linear import ContactNotConverged
 
 from analytic import PowerProfile
+from analytic.half_plane.linear import ContactNotConverged
 
-from ...run.comparison import relative_l2
+from ...runs.comparison import relative_l2
+from ..engine import FAILED, Item, run_all
 from ..loops import SimulatedLoop, simulate
 from .claim import Claim, minus_signs, verdict
 from .comparisons import COUPLED, DEPTH, HOLL, NEGATIVE, Pair, theory
@@ -67,13 +69,20 @@ def difference(k: float, nu: float, mu: float = MU) -> Difference | None:
     )
 
 
-def differences(comm) -> list[Difference]:
-    """The table over k and nu, the loops shared out among the ranks."""
-    points = [(k, nu) for k in TABLE_K for nu in TABLE_NU]
-    mine = [difference(*point) for point in points[comm.rank :: comm.size]]
-    shares = comm.allgather(mine)
-    found = [shares[i % comm.size][i // comm.size] for i in range(len(points))]
-    return [one or Difference(k, nu, MU, *[float("nan")] * 4) for one, (k, nu) in zip(found, points, strict=True)]
+def differences(executor: Executor | None = None) -> list[Difference]:
+    """The table over k and nu; nan where the simulation does not converge."""
+    items = [Item(f"k = {k:g}, nu = {nu:g}", {"k": k, "nu": nu}) for k in TABLE_K for nu in TABLE_NU]
+    rows = run_all(items, _difference_row, executor=executor)
+    failed = [row[FAILED] for row in rows if FAILED in row]
+    if failed:
+        raise RuntimeError(failed[0])
+    return [Difference(**item.values, mu=MU, **row) for item, row in zip(items, rows, strict=True)]
+
+
+def _difference_row(values: dict) -> dict:
+    found = difference(values["k"], values["nu"])
+    names = ("traction", "slip", "energy", "shift")
+    return {name: float("nan") if found is None else getattr(found, name) for name in names}
 
 
 def difference_table(found: list[Difference]) -> str:

@@ -6,9 +6,9 @@ import numpy as np
 
 from analytic import GradedHalfPlane
 
+from ...output.style import BLUE, COLOURS, MARKERS, PURPLE, RED, panels
 from .elements import Deviation, Runs, closed_field, convert
 from .setting import AMPLITUDE, MU, STATES, contact, homogeneous_units, own_units
-from .style import BLUE, COLOURS, MARKERS, PURPLE, RED, panels
 
 DEPTH = 10.0  # y0/a0
 LOADS = {"A": "$+Q_A$", "B": "$+Q_A/2$", "C": "0", "D": "$-Q_A/2$", "E": "$-Q_A$"}

@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from ...output.style import COLOURS, MARKERS, panels
 from .elements import Deviation, Runs, closed_field, convert
 from .setting import EXPONENTS, MU, NU, SHARES, contact, homogeneous_units, own_units
-from .style import COLOURS, MARKERS, panels
 
 NOTE = (
     f"Lines: closed forms with ν = {NU:g} (the paper gives no ν; μ drops out), which neglect coupling. "

@@ -7,10 +7,10 @@ import numpy as np
 from analytic import CylinderContact
 
 from ...fem.mesh import Grading
-from ...run.comparison import relative_l2
-from ...run.simulation import Simulation
+from ...runs.comparison import relative_l2
+from ...runs.simulation import Simulation
+from ...scene import Scene, make_scene
 from ...scene.scaling import Scaled
-from ...scene.scene import Scene, resolve
 from .setting import MU, Units, own_units
 
 DRAWN = 41  # computed points drawn a curve
@@ -124,7 +124,7 @@ class Runs:
             "effects.coupling": coupling,
             "solver.increments": increments,
         }
-        return resolve(scene | self.overrides)
+        return make_scene(scene | self.overrides, base=None)
 
     def _cells(self, scene, shares) -> Grading:
         """Cells graded to the stick edges of every share, not of the last alone."""

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...output.style import BLUE, COLOURS, GREEN, MARKERS, ORANGE, PURPLE, RED, panels
 from .elements import Deviation, Runs, convert, kind_of
 from .setting import DEPTHS, EXPONENTS, GRADINGS, MU, NU, contact, homogeneous_units, own_units
-from .style import BLUE, COLOURS, GREEN, MARKERS, ORANGE, PURPLE, RED, panels
 
 COMPUTED = (0.3, 0.6, 0.9)  # amplitudes of the finite-element loops
 NOTE = (

@@ -1,0 +1,132 @@
+"""The command line of a run: read and checked before anything is solved or written."""
+
+import argparse
+import difflib
+import json
+import shlex
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NoReturn
+
+from petsc4py import PETSc
+
+from .. import __version__
+from ..output import checkpoint
+from ..scene import Scene, SceneError, parse, shown
+
+LARGEST_SCENE = 1_000_000
+EPILOG = """\
+A folder that holds a run is not written into: --resume DIR goes on with that run, --overwrite replaces it, and while a
+run is going on nobody else gets its folder. Files that no run wrote are never replaced.
+Options with a single - go to PETSc, for instance -fretting_snes_monitor or -log_view.
+
+exit code: 0 done, and all checks of the results hold; 2 wrong input, nothing was run; 3 no solution was found;
+4 the run is done, but checks of its results fail; 5 results cannot be written; 1 an error of the program itself;
+128 + N stopped by signal N (130 Ctrl-C, 143 kill), with the command that goes on; mpirun itself stopped: 1
+"""
+
+
+@dataclass(frozen=True)
+class Request:
+    """A checked command line: the scene, the folder for results, options for PETSc, and the command itself."""
+
+    scene: Scene
+    output: Path
+    command: str
+    scene_file: Path | None = None
+    petsc: tuple[str, ...] = ()
+    explain: bool = False
+    quiet: bool = False
+    resume: bool = False
+    overwrite: bool = False
+
+
+class Parser(argparse.ArgumentParser):
+    """Takes a wrong command line for wrong input: one line, exit code 2. Knows --version."""
+
+    def __init__(self, *arguments, **options):
+        super().__init__(*arguments, **options)
+        self.add_argument("--version", action="version", version=f"graded-fretting {__version__}")
+
+    def error(self, message) -> NoReturn:
+        raise SceneError(f"{message} (see --help)")
+
+
+def read_request(arguments: list[str], program: str, description: str | None, default: str) -> Request:
+    """The request of a command line; see ``--help``. default: text of the scene that runs when none is named."""
+    parser = _parser(program, description)
+    own, petsc = _split_petsc(arguments, [name for action in parser._actions for name in action.option_strings])
+    given = parser.parse_args(own)
+    command = shlex.join(["python", "-m", program, *arguments])
+    if given.resume is not None:
+        others = (given.scene, given.set, given.output, given.explain, given.reference, given.accuracy, given.overwrite)
+        if any(other is not None and other != [] and other is not False for other in others):
+            names = "scene, --output, --set, --reference, --accuracy, --explain or --overwrite"
+            raise SceneError(f"--resume takes no {names}: its folder has the scene")
+        scene = checkpoint.read_scene(given.resume)
+        return Request(scene, given.resume, command, None, petsc, False, given.quiet, resume=True)
+    text = default if given.scene is None else _read(given.scene)
+    reference = [] if given.reference is None else [f"reference.kind={json.dumps(given.reference)}"]
+    accuracy = [] if given.accuracy is None else [f"solver.accuracy={given.accuracy}"]
+    scene = parse(text, (*given.set, *reference, *accuracy))
+    name = program.rpartition(".")[2] if given.scene is None else given.scene.stem
+    output = Path("results") / name if given.output is None else given.output
+    return Request(
+        scene, output, command, given.scene, petsc, given.explain, given.quiet, overwrite=given.overwrite
+    )
+
+
+def set_petsc_options(options: tuple[str, ...]):
+    """Hand a command line's options to PETSc, which names those that nothing asked for when it ends."""
+    PETSc.Options().insertString(" ".join(options))
+    if any(option.startswith("-log_view") for option in options):
+        PETSc.Log.begin()
+
+
+def _parser(program, description):
+    parser = Parser(
+        prog=f"python -m {program}",
+        description=description,
+        epilog=EPILOG,
+        allow_abbrev=False,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("scene", nargs="?", type=Path, help="scene file (TOML); without one, the default scene")
+    parser.add_argument("--output", type=Path, metavar="DIR", help="folder for results (default: results/SCENE)")
+    parser.add_argument("--overwrite", action="store_true", help="replace the run that the folder for results holds")
+    parser.add_argument("--resume", type=Path, metavar="DIR", help="go on with the run that was stopped in DIR")
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="change a key of the scene")
+    parser.add_argument("--reference", metavar="KIND", help="what to compare with: auto, closed form, half-plane, none")
+    parser.add_argument("--accuracy", metavar="ERROR", help="largest relative error wanted; chooses the mesh")
+    parser.add_argument("--explain", action="store_true", help="say which effects are on, and stop")
+    parser.add_argument("--quiet", action="store_true", help="say nothing but warnings and errors")
+    return parser
+
+
+def _split_petsc(arguments, options):
+    """Own arguments, and PETSc's: those that begin with a single -, each with the value that may follow it."""
+    own: list[str] = []
+    petsc: list[str] = []
+    awaits_value = False
+    for argument in arguments:
+        is_option = argument.startswith("-") and argument[1:2].isalpha() and argument != "-h"
+        if is_option and difflib.get_close_matches("-" + argument, options, n=1, cutoff=0.8):
+            close = difflib.get_close_matches("-" + argument, options, n=1)[0]
+            raise SceneError(f"option {shown(argument)} is not known: did you mean {close}?")
+        is_value = awaits_value and not argument.startswith("--") and not argument.endswith(".toml")
+        (petsc if is_option or is_value else own).append(argument)
+        awaits_value = is_option
+    return own, tuple(petsc)
+
+
+def _read(path: Path) -> str:
+    try:
+        if path.exists() and not path.is_dir() and not (path.is_file() and path.stat().st_size <= LARGEST_SCENE):
+            raise SceneError(f"scene {shown(path)} cannot be read: not a text file of at most {LARGEST_SCENE} bytes")
+        return path.read_text(encoding="utf-8-sig")
+    except SceneError:
+        raise
+    except (OSError, ValueError) as error:
+        if isinstance(error, UnicodeDecodeError):
+            raise SceneError(f"scene {shown(path)} is not TOML: it is not even text") from None
+        raise SceneError(f"scene {shown(path)} cannot be read: {getattr(error, 'strerror', error)}") from None

@@ -1,0 +1,191 @@
+"""The folder of a run: whose it is, what may be replaced in it, and how a new run begins there.
+
+A folder that holds a run is not written into, but to go on with that run or where its replacement is asked for. A file
+that no run wrote is never replaced.
+"""
+
+import hashlib
+import os
+import platform
+import re
+import shlex
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+import dolfinx
+import gmsh
+import numpy as np
+from petsc4py import PETSc
+
+from .. import __version__
+from ..fem.parallel import on_root
+from ..scene import Scene, SceneError, shown
+from . import checkpoint, fields
+from .checkpoint import SCENE
+from .files import OutputError, write_text
+from .lock import Lock
+
+MOVED = Path("/opt/stack/moved.txt")  # of the image: packages whose recorded version the archive no longer had
+FILES = (SCENE, "history.csv", "surface.h5", fields.INDEX, "summary.json", "fretting.png")
+OTHERS = ("report.html",)  # made of the files of a run by other commands
+FOLDERS = (checkpoint.FOLDER, fields.FOLDER)
+PROBE = 1 << 18  # bytes that have to fit into the folder before a run begins
+HEADER, CHECKSUM = "# graded-fretting ", "# checksum "  # lines of a scene.toml that a run wrote
+
+
+def files() -> tuple[str, ...]:
+    """What a finished run has written."""
+    return (*FILES, f"{fields.FOLDER}/")
+
+
+def versions() -> dict[str, str]:
+    """What the numbers were made with; packages of the image that are not the recorded ones too."""
+    found = {
+        "graded-fretting": __version__,
+        "python": platform.python_version(),
+        "dolfinx": dolfinx.__version__,
+        "petsc": ".".join(map(str, PETSc.Sys.getVersion())),
+        "gmsh": gmsh.__version__,
+        "numpy": np.__version__,
+    }
+    if MOVED.is_file():
+        for line in MOVED.read_text(encoding="utf-8").splitlines():
+            package, recorded, installed = line.split()
+            found[package] = f"{installed} (recorded: {recorded})"
+    return found
+
+
+@contextmanager
+def claimed(comm, folder: Path, scene_file: Path | None = None, overwrite=False, resume=False) -> Iterator[None]:
+    """``folder`` locked for one run, on every rank; SceneError where it may not be written.
+
+    scene_file: the user's, which stays as it is. Nothing is left of a folder in which no run began.
+    """
+    claim = None
+
+    def take():
+        nonlocal claim
+        claim = _Claim(folder, scene_file, overwrite, resume)
+
+    on_root(comm, take, SceneError)
+    try:
+        yield
+    finally:
+        if claim:
+            claim.release()
+
+
+def begin(folder: Path, scene: Scene):
+    """Make a claimed ``folder`` that of a new run: nothing of an earlier one, and the scene.
+
+    The scene of an earlier run goes last, in the moment in which the new one takes its place: a folder is always that
+    of one run. OutputError where it cannot be written.
+    """
+    try:
+        (folder / "summary.json").unlink(missing_ok=True)
+        checkpoint.remove(folder)
+        for name in (*FILES[1:], *OTHERS):
+            (folder / name).unlink(missing_ok=True)
+        for path in _state_files(folder):
+            path.unlink()
+        text = scene.to_toml()
+        made_with = "".join(f"# {name} {version}\n" for name, version in versions().items())
+        write_text(folder / SCENE, f"{made_with}{CHECKSUM}{_checksum(text)}\n{text}")
+    except OSError as error:
+        raise OutputError(f"{folder} cannot be written: {error.strerror or error}; start again") from None
+
+
+def writable(folder: Path, option: str = "--output") -> Path:
+    """``folder``, made where it is missing; SceneError, and nothing left of it, where results cannot be written."""
+    try:
+        missing = [parent for parent in (folder, *folder.parents) if not parent.exists()]
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            probe = folder / ".write-test"
+            try:
+                with open(probe, "wb") as file:
+                    file.write(bytes(PROBE))
+                    file.flush()
+                    os.fsync(file.fileno())
+            finally:
+                probe.unlink(missing_ok=True)
+        except (OSError, ValueError):
+            _remove_empty(missing)
+            raise
+    except (OSError, ValueError) as error:
+        raise SceneError(f"{option} {shown(folder)} cannot be written: {getattr(error, 'strerror', error)}") from None
+    return folder
+
+
+class _Claim:
+    """Rank 0's hold on the folder."""
+
+    def __init__(self, folder: Path, scene_file: Path | None, overwrite: bool, resume: bool):
+        self._missing = [] if resume else [place for place in (folder, *folder.parents) if not place.exists()]
+        option = "--resume" if resume else "--output"
+        writable(folder, option)
+        try:
+            self._lock = Lock(folder)
+        except OSError as error:
+            raise SceneError(f"{option} {shown(folder)} cannot be written: {error.strerror}") from None
+        try:
+            if not resume:
+                _refuse(folder, scene_file, overwrite)
+            for path in (folder, *(folder / name for name in FOLDERS)):
+                for partial in path.glob("part.*"):
+                    if partial.name.removeprefix("part.") in (*FILES, "memory.npz") or path.name == fields.FOLDER:
+                        partial.unlink()
+        except BaseException:
+            self.release()
+            raise
+
+    def release(self):
+        self._lock.release()
+        _remove_empty(self._missing)
+
+
+def _remove_empty(folders):
+    for folder in folders:
+        with suppress(OSError):
+            folder.rmdir()
+
+
+def _refuse(folder: Path, scene_file: Path | None, overwrite: bool):
+    """SceneError where a run in ``folder`` would replace something that it must not."""
+    names = [name for name in (*FILES, *OTHERS, checkpoint.FOLDER) if (folder / name).exists()]
+    names += [fields.FOLDER + "/"] if any(True for _ in _state_files(folder)) else []
+    if not names:
+        return
+    start = f"--output {shown(folder)} is not allowed: "
+    if scene_file and (folder / SCENE).exists() and os.path.samefile(scene_file, folder / SCENE):
+        raise SceneError(f"{start}the scene {shown(scene_file)} is in it, under a name of a run's own; choose another")
+    stranger = None if _is_of_a_run(folder / SCENE) else SCENE if (folder / SCENE).exists() else names[0]
+    if stranger:
+        raise SceneError(f"{start}it holds {stranger}, which is not as a run wrote it; choose another folder")
+    if overwrite:
+        return
+    where = shlex.quote(str(folder))
+    if checkpoint.is_complete(folder):
+        raise SceneError(f"{start}it holds a finished run; --overwrite replaces it, --output DIR keeps both")
+    raise SceneError(f"{start}it holds a run that was stopped; go on with --resume {where}, or replace it: --overwrite")
+
+
+def _state_files(folder):
+    return (p for p in (folder / fields.FOLDER).glob("*.h5") if re.fullmatch(r"\d{6,}|mesh", p.stem))
+
+
+def _is_of_a_run(path: Path) -> bool:
+    """Whether a run wrote this scene.toml, and nobody has changed it."""
+    try:
+        lines = path.read_text(encoding="utf-8").splitlines(keepends=True)
+    except (OSError, UnicodeDecodeError):
+        return False
+    if not lines or not lines[0].startswith(HEADER):
+        return False
+    kept = [line.removeprefix(CHECKSUM).strip() for line in lines if line.startswith(CHECKSUM)]
+    return kept == [_checksum("".join(line for line in lines if not line.startswith("# ")))]
+
+
+def _checksum(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()[:16]

@@ -1,0 +1,56 @@
+"""How the pictures look, in one place: fonts, colours, markers, sizes, files."""
+
+import os
+from contextlib import contextmanager
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+from matplotlib.ticker import MaxNLocator
+
+BLUE, ORANGE, GREEN, PURPLE, RED = "#0072B2", "#E69F00", "#009E73", "#CC79A7", "#D55E00"  # colour-blind safe
+SKY, BLACK = "#56B4E9", "#000000"
+COLOURS = (BLUE, ORANGE, GREEN, PURPLE, RED)
+MARKERS = ("o", "s", "^", "D", "v")  # colour is never the only difference
+GREY = "0.35"
+FONTS = {
+    "font.size": 11,
+    "axes.titlesize": 11,
+    "legend.fontsize": 9.5,
+    "mathtext.fontset": "dejavusans",
+    "axes.grid": True,
+    "grid.alpha": 0.3,
+    "lines.linewidth": 1.4,
+    "lines.markersize": 4.5,
+    "pdf.fonttype": 42,  # text stays text
+}
+PIXELS_PER_INCH = 130
+
+
+@contextmanager
+def style():
+    """Within it figures have the fonts and lines of this project."""
+    with plt.rc_context(FONTS):
+        yield
+
+
+def panels(columns: int, title: str, note: str, rows: int = 1, width: float = 5.2, height: float = 4.4):
+    """A figure with axes (rows, columns), a title, and a note below on what the paper leaves open."""
+    size = (width * columns, height * rows + 0.5)
+    figure, axes = plt.subplots(rows, columns, figsize=size, layout="constrained", squeeze=False)
+    figure.get_layout_engine().set(w_pad=0.08, h_pad=0.06)
+    for axis in axes.flat:  # few enough tick labels to stay apart
+        axis.xaxis.set_major_locator(MaxNLocator(7, steps=[1, 2, 5, 10]))
+    figure.suptitle(title, fontsize=12)
+    figure.supxlabel(note, fontsize=9, color=GREY)
+    return figure, axes
+
+
+def save(figure, folder: Path, name: str) -> list[Path]:
+    """NAME.pdf and NAME.png in ``folder``, each whole or not at all; the figure is closed."""
+    paths = [folder / f"{name}.{kind}" for kind in ("pdf", "png")]
+    for path in paths:
+        partial = path.with_name("part." + path.name)
+        figure.savefig(partial, dpi=PIXELS_PER_INCH)
+        os.replace(partial, path)
+    plt.close(figure)
+    return paths

@@ -1,1 +1,0 @@
-"""A simulation from scene to states; its reference, errors, checks, energy and limits."""

@@ -1,0 +1,169 @@
+"""What a converged run still has to show: balance, contact conditions, no chatter, no wiggles. Numpy only.
+
+Each check is a number and the limit that it must not pass. Ordinary runs have them in summary.json.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..fem.surface import SurfaceState
+from ..solvers.newton import ATTAINABLE
+from .history import Entry, History
+
+FEW = 20
+AT_LIMIT = 1e-9  # a traction this close to mu p, relative to the largest, slides
+
+
+class ChecksFailed(RuntimeError):
+    """A run reached its end, but its results do not pass their checks; the message names those."""
+
+
+class ChecksWarning(UserWarning):
+    """The same as a warning, for the package from Python."""
+
+
+@dataclass(frozen=True)
+class Check:
+    """A number that is to stay at or below its limit."""
+
+    value: float
+    limit: float
+
+    @property
+    def holds(self) -> bool:
+        """False for nan too."""
+        return bool(self.value <= self.limit)
+
+
+def check(history: History, height: Callable, coupled: bool = True) -> dict[str, Check]:
+    """Checks of a run that ended. height: the indenter's f(x), in the history's units.
+
+    coupled: False where the traction does not move the surface up and down: the gap is that of the normal stage.
+    """
+    entries = history.entries
+    with_gap = [entry for entry in entries if coupled or entry.increment.branch == "normal"]
+    tolerance = max(entry.tolerance for entry in entries)
+    worst = {name: max(measure(entry.surface, entry) for entry in entries) for name, measure in MEASURES.items()}
+    checks = {
+        "residual": Check(max(entry.residual for entry in entries), ATTAINABLE),
+        # tractions read off the fields: Newton's tolerance, and once more the round-off that makes it
+        "load balance": Check(worst["load balance"], 10 * tolerance),
+        "p >= 0": Check(worst["p >= 0"], 0.0),
+        "gap >= 0": Check(max(penetration(entry.surface, height) for entry in with_gap), OPEN),
+        "pressure wiggles": Check(worst["pressure wiggles"], WIGGLES),
+    }
+    if history.friction:
+        mu, loaded = history.mu, [entry for entry in entries if np.any(entry.surface.traction)]
+        pairs = [(a.surface, b.surface) for a, b in zip(entries, entries[1:]) if np.any(b.surface.traction)]
+        reach = max((largest_motion(a, b) for a, b in pairs), default=0.0)
+        checks |= {
+            "|q| <= mu p": Check(
+                max((excess(e.surface, mu) for e in loaded), default=0.0), 10 * max(tolerance, AT_LIMIT)
+            ),
+            "slip against q": Check(max((wrong_slip(a, b, mu, reach) for a, b in pairs), default=0.0), WRONG_SLIP),
+            "traction wiggles": Check(
+                max((wiggles(e.surface.traction, mu * np.ptp(e.surface.pressure)) for e in loaded), default=0.0),
+                WIGGLES,
+            ),
+        }
+    return checks
+
+
+def hold(checks: dict[str, Check]) -> bool:
+    """True where all of them hold."""
+    return all(check.holds for check in checks.values())
+
+
+def describe(checks: dict[str, Check]) -> str:
+    """One line: that all hold, or which do not."""
+    failing = [f"{name} ({c.value:.1e}, limit {c.limit:.0e})" for name, c in checks.items() if not c.holds]
+    return f"checks that fail: {', '.join(failing)}" if failing else f"all {len(checks)} checks hold"
+
+
+def imbalance(surface: SurfaceState, entry: Entry) -> float:
+    """Largest difference of the integrated tractions from the loads, over P."""
+    increment = entry.increment
+    P, Q = surface.line_load(surface.pressure), surface.line_load(surface.traction)
+    return max(abs(P - increment.P), abs(Q - increment.Q)) / increment.P
+
+
+def tension(surface: SurfaceState, entry: Entry) -> float:
+    """Most negative pressure over the largest."""
+    return -min(surface.pressure.min(), 0.0) / surface.pressure.max()
+
+
+def penetration(surface: SurfaceState, height: Callable) -> float:
+    """Deepest overlap outside the contact over the depth of the contact, f(a)."""
+    gap = height(surface.x) + surface.u[1] - surface.delta[1]
+    open_nodes = surface.pressure <= 0
+    reach = np.abs(surface.x[~open_nodes]).max()
+    return float(max(-gap[open_nodes].min(initial=0.0), 0.0) / height(reach))
+
+
+def excess(surface: SurfaceState, mu: float) -> float:
+    """Largest |q| - mu p over the largest mu p."""
+    limit = mu * surface.pressure
+    return float(max((np.abs(surface.traction) - limit).max(), 0.0) / limit.max())
+
+
+def largest_motion(before: SurfaceState, after: SurfaceState) -> float:
+    """Largest change of u_x - delta_x in contact."""
+    moved = after.relative_displacement - before.relative_displacement
+    return float(np.abs(moved[after.pressure > 0]).max(initial=0.0))
+
+
+def wrong_slip(before: SurfaceState, after: SurfaceState, mu: float, reach: float = 0.0) -> float:
+    """Work that sliding points gain from friction in a load step, over what all would lose sliding like the fastest.
+
+    A point sliding by less than Nitsche's method moves one that sticks may go the wrong way. reach: the largest motion
+    of any step; one in which nothing moves, as at a dwell, shows round-off only and is measured by SMALL of that.
+    """
+    limit = mu * after.pressure
+    sliding = np.abs(after.traction) >= limit - AT_LIMIT * limit.max()
+    moved = after.relative_displacement - before.relative_displacement
+    work = np.where(sliding & (after.pressure > 0), -after.weight * after.traction * moved, 0.0)
+    most = after.line_load(limit) * max(largest_motion(before, after), SMALL * reach)
+    return float(-work[work < 0].sum() / most) if most > 0 else 0.0
+
+
+def wiggles(values, scale: float = 0.0) -> float:
+    """Total variation of nodal values that go up, down and up again from node to node, over their range or ``scale``.
+
+    A smooth field has none, nor has a peak or a kink: it turns once. A contact of FEW nodes is not smooth on its mesh.
+    """
+    if np.count_nonzero(values) < FEW:
+        return 0.0
+    steps = np.diff(values)
+    a, b, c = steps[:-2], steps[1:-1], steps[2:]
+    in_turn = (a * b < 0) & (b * c < 0)
+    return float(np.minimum(np.minimum(np.abs(a), np.abs(b)), np.abs(c))[in_turn].sum() / max(np.ptp(values), scale))
+
+
+def drift(history: History) -> float:
+    """Largest change of p and q from the end of one cycle to that of the next, over the largest p."""
+    ends = [e for e in history.entries if e.increment.state == "A" and e.increment.cycle > 0]
+    changes = [
+        max(
+            np.abs(b.surface.pressure - a.surface.pressure).max(), np.abs(b.surface.traction - a.surface.traction).max()
+        )
+        for a, b in zip(ends, ends[1:])
+    ]
+    return float(max(changes, default=0.0) / ends[-1].surface.pressure.max())
+
+
+def still_changing(history: History) -> int:
+    """Points whose contact state changed in the last iteration of an increment, the most of all increments."""
+    return max((entry.changes[-1] for entry in history.entries if entry.changes), default=0)
+
+
+OPEN = 1e-3  # an open point is held by its traction, which is not quite zero
+WRONG_SLIP = 1e-4  # measured below 1e-6
+SMALL = 1e-3  # motion over the largest below which a load step moves nothing
+WIGGLES = 0.05  # of the range; loops at k = 0.3 have less than 0.003, the coupled one at k = -0.5 on coarse facets 0.04
+MEASURES = {
+    "load balance": imbalance,
+    "p >= 0": tension,
+    "pressure wiggles": lambda surface, entry: wiggles(surface.pressure),
+}

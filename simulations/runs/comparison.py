@@ -1,0 +1,46 @@
+"""A run beside a reference: relative errors where it has the same physics, differences otherwise."""
+
+import numpy as np
+
+from .history import Entry, History
+from .reference import Reference, all_states
+
+QUANTITIES = ("pressure_l2", "traction_l2", "slip_l2", "a", "c", "dissipated_energy")  # that ``compare`` may find
+
+
+def relative_l2(weight, computed, exact) -> float:
+    """sqrt(∫ (computed - exact)² dx / ∫ exact² dx) with nodal ``weight``; nan where exact vanishes."""
+    norm = weight @ exact**2
+    return float(np.sqrt(weight @ (computed - exact) ** 2 / norm)) if norm > 0 else float("nan")
+
+
+def compare_state(entry: Entry, reference: Reference) -> dict[str, float]:
+    """Relative L2 deviations of one state's pressure, traction and slip, the last over the contact."""
+    surface = entry.surface
+    x, weight = surface.x, surface.weight
+    deviation = {"pressure_l2": relative_l2(weight, surface.pressure, reference.pressure(entry, x))}
+    if entry.increment.branch != "normal":
+        left, right = reference.contact(entry)
+        under = weight * ((x >= left) & (x <= right))
+        deviation["traction_l2"] = relative_l2(weight, surface.traction, reference.traction(entry, x))
+        deviation["slip_l2"] = relative_l2(under, entry.slip, reference.slip(entry, x))
+    return deviation
+
+
+def compare(history: History, reference: Reference) -> dict[str, float]:
+    """Deviations of a run: fields, a and c at its last state, energy of its last cycle (signed where scalar)."""
+    last = history.entries[-1]
+    left, right = reference.contact(last)
+    deviation = compare_state(last, reference) | {"a": last.a / ((right - left) / 2) - 1}
+    if last.increment.branch != "normal":
+        deviation["c"] = last.c / reference.stick_half_width(last) - 1
+        energy = reference.dissipated_energy()
+        if energy:
+            deviation["dissipated_energy"] = history.dissipated_energy / energy - 1
+    return deviation
+
+
+def worst(history: History, reference: Reference) -> dict[str, float]:
+    """The largest field deviations over every state of the last cycle, or of the run where there is none."""
+    states = [compare_state(entry, reference) for entry in all_states(history)]
+    return {name: float(np.nanmax([state.get(name, np.nan) for state in states])) for name in states[-1]}

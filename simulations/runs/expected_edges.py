@@ -1,0 +1,119 @@
+"""Where contact and stick zone will end, before anything is solved: what the mesh is graded to."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from analytic import FrettingLoop, HalfPlaneContact, SpringPath, contact_edges
+
+from ..scene import Scene
+from ..scene.effects import Effects
+from ..scene.scaling import Scaled
+from .limits import expected_error, size_for
+
+NODES = 80  # of the half-plane solver: edges to a few 1e-3 of the half-width
+APART = 0.005  # edges closer than this (over the half-width) are one
+MOST = 30  # edges on either side
+FIRST = 3  # facets, either side, in the contact of the first increment with friction
+
+
+def half_plane_solver(scene: Scene, scaled: Scaled, effects: Effects, nodes: int) -> HalfPlaneContact:
+    """The mesh-free solver of the same problem, in scaled units."""
+    return HalfPlaneContact(
+        scaled.kernel,
+        scaled.indenter,
+        mu=scene.mu if scene.friction else 1.0,
+        coupling="coupling" in effects,
+        friction_in_normal_stage="friction in normal stage" in effects,
+        nodes=nodes,
+    )
+
+
+@dataclass(frozen=True)
+class ExpectedEdges:
+    """Places x > 0 where edges turn round, and ways (from, to) of the contact's and of the stick's between them.
+
+    What is at x is at -x too. first: half-width of contact after the first increment, if friction acts in it.
+    """
+
+    edges: tuple[float, ...]
+    contact_way: tuple[float, float] | None = None
+    stick_way: tuple[float, float] | None = None
+    first: float | None = None
+
+    def sweeps(self, k: float, facet: float, edge_facet: float) -> tuple[tuple[float, float, float], ...]:
+        """Intervals (from, to, facet length) over which edges move, on both sides.
+
+        For k < 0 traction ends the more steeply: facets are so small that an edge costs twice what it does at k = 0.
+        Where pressure ends too, they come close to ``edge_facet``. The first contact has FIRST facets on either side.
+        """
+        steep = size_for(2 * expected_error(0.0, facet), min(k, 0.0))
+        ways = []
+        if self.stick_way and steep < facet:
+            ways.append((*self.stick_way, max(steep, edge_facet)))
+        if self.contact_way:
+            ways.append((*self.contact_way, max(min(steep, edge_facet**0.9 * facet**0.1), edge_facet)))
+        if self.first:
+            ways.append((0.0, 2 * self.first, self.first / FIRST))
+        return tuple(sorted({*ways, *((-right, -left, size) for left, right, size in ways)}))
+
+
+def expected_edges(
+    scene: Scene, scaled: Scaled, loop: FrettingLoop | None, effects: Effects, loads: list[tuple[float, float]]
+) -> ExpectedEdges:
+    """From the closed form or, where it is another problem, from a rough half-plane solution.
+
+    loads: (P, Q) of the schedule, the first with Q = 0.
+    """
+    if scene.contact_has_closed_form:
+        contact = scaled.contact
+        assert contact is not None  # contact_has_closed_form
+        a = contact.a
+        if loop is None and not scene.friction:
+            return ExpectedEdges((a,))
+        if loop is None:
+            states = SpringPath(contact, scene.mu).run(loads)[::-1]
+            return ExpectedEdges(_several([e for s in states for e in (s.contact_half_width, s.stick_half_width)]))
+        shares = (0.5, 0.0, -0.5) if scene.mesh.edges == "states" else ()
+        between = [loop.active_half_width(share * loop.Q_A, "unloading") for share in shares]
+        return ExpectedEdges((loop.c, a, *between), stick_way=(loop.c, a))
+    try:
+        return _rough_edges(scene, scaled, effects, loads)
+    except (RuntimeError, ValueError):  # no reason to stop: the mesh is only less well graded
+        return ExpectedEdges((1.0,))
+
+
+def _rough_edges(scene, scaled, effects, loads):
+    """Of a loop where it turns, of other schedules at every load, the last first."""
+    solver = half_plane_solver(scene, scaled, effects, NODES)
+    if scene.is_loop:
+        Q_A = scene.load.amplitude * solver.mu
+        first = solver.friction_in_normal_stage
+        found = contact_edges(solver.kernel, solver.profile, 1.0, solver.mu, Q_A, solver.coupling, first, NODES)
+        # the first loading's edges of stick lie inside the later ones, where nothing smooths what it left
+        ends, way = [*found.contact, *found.stick, *found.stick_range.ravel()], np.abs(found.contact_range)
+        if scene.mesh.edges == "states":
+            ends += [*found.contact_states.ravel(), *found.stick_states.ravel()]
+        edges = _several(ends)
+        return ExpectedEdges(
+            edges,
+            contact_way=(float(way.min()), float(way.max())),
+            stick_way=(min(edges), float(way.max())),
+            first=1 / scene.solver.normal_increments if first else None,
+        )
+    states = solver.run(loads)[::-1]
+    return ExpectedEdges(_several([edge for state in states for edge in (*state.contact, *state.stick)]))
+
+
+def _several(edges):
+    edges = np.abs(edges)
+    return distinct(edges[np.isfinite(edges)], APART)[:MOST]
+
+
+def distinct(values, apart: float) -> tuple[float, ...]:
+    """Those of ``values`` that are further than ``apart`` from the ones before them."""
+    kept: list[float] = []
+    for value in values:
+        if all(abs(value - other) > apart for other in kept):
+            kept.append(float(value))
+    return tuple(kept)

@@ -1,0 +1,25 @@
+"""What a scene will simulate, before anything is solved."""
+
+from forms.contact import X, Y
+
+from ..loading.fallbacks import explained
+from .simulation import Simulation
+
+TERMS = {X: "tangential traction", Y: "contact pressure"}
+
+
+def explain(simulation: Simulation) -> str:
+    """The effects with their reasons and what is left out, then the sizes of the problem."""
+    body, solver = simulation.body, simulation.scene.solver.method
+    problems = [simulation.solver.normal, simulation.solver.frictional]
+    lines = [str(simulation.effects), f"{'unknowns':26s} {body.unknowns}"]
+    for stage, problem in zip(("normal stage", "tangential stage"), problems):
+        if problem is not None:
+            unknown = " and ".join(TERMS[i] for i in problem.directions)
+            lines.append(f"{stage:26s} {unknown}, {len(problem.directions)} rigid displacement(s), {solver} Newton")
+    edges = ", ".join(f"{edge:.4g}" for edge in simulation.cells.edges if edge > 0)
+    lines.append(f"{'surface nodes':26s} {simulation.sampler.x.size}, graded to x/a = ±{edges}")
+    lines.append(f"{'load steps':26s} {len(simulation.schedule)}")
+    last = simulation.solver.frictional or simulation.solver.normal
+    lines += [f"{'solved by' if i == 0 else '':26s} {way}" for i, way in enumerate(explained(last))]
+    return "\n".join(lines)

@@ -1,0 +1,133 @@
+"""What the method cannot do, said by name before anything is solved: SceneError with the key and what would do.
+
+Every limit is measured (docs/stability.md). All lengths are in contact half-widths.
+"""
+
+from __future__ import annotations
+
+from math import ceil, expm1, floor, log, log10
+from typing import TYPE_CHECKING
+
+from ..scene import SceneError
+from ..solvers.newton import ATTAINABLE, FORCE_TOLERANCE, ROUND_OFF
+
+if TYPE_CHECKING:
+    from analytic import FrettingLoop
+
+    from ..fem.contact_problem import ContactProblem
+    from ..fem.mesh import Grading
+    from ..scene import Scene
+
+MOST_UNKNOWNS = 1_000_000  # some minutes, and 3 GB in the factorisation
+MOST_MATRIX = 4.0  # GB in the dense matrices of the condensed method
+NARROWEST = 3.0  # slip zone over edge_facet: there the energy is off by 5 %, with 1 by 30 %, with 0.2 by 180 %
+STEEPEST = 0.1  # estimated relative error of the traction from its steep ends alone
+LOWEST = 0.05  # the first layer's lowest Gauss point, over its height: 0.07 and more
+SMALLEST = -300.0  # decimal logarithm of the smallest ordinary number is -307.7
+STABLE_GAMMA0 = 0.3  # below it Newton chatters (0.2 at k = 0) or fails (0.1 at k = 0.3), unless theta = -1
+
+
+def check_parameters(scene: Scene):
+    """SceneError for Nitsche's parameters with which the contact terms are not stable."""
+    gamma0, theta = scene.solver.gamma0, scene.solver.theta
+    if gamma0 < STABLE_GAMMA0 and theta > -1:
+        raise SceneError(
+            f"solver.gamma0 = {gamma0:g} is not allowed with theta = {theta:g}: the contact terms are stable from "
+            f"{STABLE_GAMMA0:g} on; the default is 10"
+        )
+
+
+def check_depth(scene: Scene, cells: Grading):
+    """SceneError for k so close to 1 that dy/ds = s^(k/(1-k))/(1-k), for the mesh depth s, underflows."""
+
+    def underflows(k):
+        first = (cells.first_layer / (cells.layer_growth - 1)) ** (1 - k) * expm1((1 - k) * log(cells.layer_growth))
+        return k / (1 - k) * log10(LOWEST * first) < SMALLEST
+
+    allowed = scene.k
+    while allowed > 0 and underflows(allowed):
+        allowed = (ceil(200 * allowed) - 1) / 200
+    if allowed < scene.k:
+        raise SceneError(
+            f"solid.k = {scene.k!r} is too close to 1: dy/ds of the mesh depth s = y^(1-k) underflows in the first "
+            f"layer; {allowed:g} or less is possible with this mesh.first_layer and mesh.layer_growth"
+        )
+
+
+def check_size(scene: Scene, cells: Grading, columns: int, layers: int):
+    """SceneError for meshes, of so many cells along x and into the depth, that no ordinary machine holds."""
+    degree = scene.mesh.degree
+    unknowns = 2 * (degree * columns + 1) * (degree * layers + 1)
+    keys = "mesh.facet, mesh.edge_facet, mesh.growth, mesh.first_layer, mesh.layer_growth, mesh.extent, mesh.degree"
+    if unknowns > MOST_UNKNOWNS:
+        raise SceneError(
+            f"the mesh is too fine: {columns} x {layers} cells are {unknowns:.2g} unknowns, the limit is "
+            f"{MOST_UNKNOWNS:.0e} ({keys})"
+        )
+    if scene.solver.method == "condensed":
+        nodes = degree * min(columns, 2 * cells.strip / min(cells.facet, cells.edge_facet))
+        # response of the strip; the dense Jacobian, its factors and the rows of it that are kept
+        size = 8e-9 * nodes * (12 * nodes + 16 * nodes)
+        if size > MOST_MATRIX:
+            raise SceneError(
+                f"the mesh is too fine: {nodes:.0f} surface nodes make dense matrices of {size:.0f} GB, the limit is "
+                f"{MOST_MATRIX:g} (mesh.facet, mesh.edge_facet, mesh.growth, mesh.degree; or solver.method)"
+            )
+
+
+def check_resolution(scene: Scene, cells: Grading, loop: FrettingLoop | None):
+    """SceneError where the mesh cannot show what the scene is about: the slip zone, or ends steeper than its facets.
+
+    The zones are those of the closed form; coupling moves them but does not make them wider.
+    """
+    facet = min(cells.edge_facet, cells.facet)
+    if loop is not None:
+        slip = loop.a - loop.c
+        if slip < NARROWEST * facet:
+            raise SceneError(
+                f"mesh.edge_facet = {cells.edge_facet:g} is too coarse: the slip zone is {slip:.2g} a wide at "
+                f"load.amplitude = {scene.load.amplitude:g} and needs {_digit(slip / NARROWEST):g} or less"
+            )
+    if scene.k >= 0:
+        return
+    name, size = max(("edge_facet", facet), ("first_layer", cells.first_layer), key=lambda entry: entry[1])
+    needed = size_for(STEEPEST, scene.k)
+    if size > needed:
+        raise SceneError(
+            f"mesh.{name} = {size:g} is too coarse for k = {scene.k:g}: tractions that end so steeply would be off by "
+            f"about {expected_error(scene.k, size):.0%}; {_digit(needed):g} or less keeps that below {STEEPEST:.0%}"
+        )
+
+
+def expected_error(k: float, size: float) -> float:
+    """Relative L2 error of a traction that ends like distance^((1+k)/2) on cells of ``size`` a, to a factor of two.
+
+    The distance's power leaves size^(1 + k/2); the factor is fitted to loops from k = -0.9 to 0.
+    """
+    return 0.1 / (1 + k) * size ** (1 + k / 2)
+
+
+def size_for(error: float, k: float) -> float:
+    """The inverse of ``expected_error``: cells, over a, on which a traction ends with this error."""
+    return (error * (1 + k) / 0.1) ** (1 / (1 + k / 2))
+
+
+def check_round_off(scene: Scene, cells: Grading, problem: ContactProblem):
+    """SceneError where the surface cells are so stiff that the last digits of the displacement are contact forces.
+
+    Displacements are of order one, in P/E(a).
+    """
+    attainable = ROUND_OFF * problem.terms.force_per_digit
+    if attainable > ATTAINABLE:
+        thicker = cells.first_layer * (attainable / ATTAINABLE) ** (1 / (1 - min(scene.k, 0.0)))
+        raise SceneError(
+            f"mesh.first_layer = {cells.first_layer:g} is too thin for k = {scene.k:g} and solver.gamma0 = "
+            f"{scene.solver.gamma0:g}: round-off would leave forces of {attainable:.0e} P unbalanced "
+            f"({FORCE_TOLERANCE:.0e} is the aim); {_digit(thicker, up=True):g} or more would do"
+        )
+
+
+def _digit(value: float, up: bool = False) -> float:
+    """``value`` to one digit, down or up."""
+    unit = 10.0 ** floor(log10(value))
+    return (ceil if up else floor)(value / unit) * unit

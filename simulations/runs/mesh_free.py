@@ -1,0 +1,96 @@
+"""Reference of coupled runs: the mesh-free half-plane solver under the same loads, with load steps of its own."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from analytic.half_plane.state import ContactState
+
+from .expected_edges import half_plane_solver
+from .history import Entry
+from .simulation import Simulation
+from .springs import last_cycle
+
+Tell = Callable[[int, int], None]  # load steps done, and all of them
+NODES = (400, 300)  # the next number is tried where one does not converge
+FINER = 2  # load steps of the reference for one of the run: what depends on the steps is not shared
+
+
+class NoReference(RuntimeError):
+    """There is no solution to compare with; the message says why."""
+
+
+class MeshFree:
+    """States of the half-plane solver at the load steps of a simulation; NoReference where it fails.
+
+    nodes: with how many it converged. tell: called after each load step.
+    """
+
+    name = "mesh-free half-plane solver"
+
+    def __init__(self, simulation: Simulation, tell: Tell | None = None):
+        friction_first = "friction in normal stage" in simulation.effects
+        loads, places = refined([(step.P, step.Q) for step in simulation.schedule], friction_first)
+        failure = None
+        for nodes in NODES:
+            try:
+                solver = half_plane_solver(simulation.scene, simulation.scaled, simulation.effects, nodes)
+                states = []
+                for state in solver.increments(loads):
+                    states.append(state)
+                    if tell:
+                        tell(len(states), len(loads))
+                self.nodes = nodes
+                break
+            except (RuntimeError, ValueError) as reason:
+                failure = failure or reason  # the one of the finest nodes is told
+        else:
+            raise NoReference(str(failure))
+        self._states = [states[place] for place in places]
+        self._schedule = simulation.schedule
+
+    def _at(self, entry: Entry) -> ContactState:
+        return self._states[entry.number]
+
+    def _interpolated(self, entry, name, x):
+        state = self._at(entry)
+        return np.interp(x, state.x, getattr(state, name), left=0.0, right=0.0)
+
+    def pressure(self, entry, x):
+        """p."""
+        return self._interpolated(entry, "pressure", x)
+
+    def traction(self, entry, x):
+        """q."""
+        return self._interpolated(entry, "traction", x)
+
+    def slip(self, entry, x):
+        """Slip."""
+        return self._interpolated(entry, "slip", x)
+
+    def contact(self, entry):
+        """Edges of the contact."""
+        return self._at(entry).contact
+
+    def stick_half_width(self, entry):
+        """Half the length of the longest stick zone."""
+        left, right = self._at(entry).stick
+        return (right - left) / 2
+
+    def dissipated_energy(self):
+        """Of the last full cycle, where there is none since first contact."""
+        return last_cycle(self._states, self._schedule)
+
+
+def refined(loads: list[tuple[float, float]], friction_first: bool) -> tuple[list[tuple[float, float]], list[int]]:
+    """Loads with FINER steps in the place of one, and where the given ones are among them.
+
+    The first stays one step, as does frictionless pressing, which leaves no memory.
+    """
+    finer, places = [loads[0]], [0]
+    for before, after in zip(loads, loads[1:]):
+        steps = FINER if friction_first or after[1] != 0 or before[1] != 0 else 1
+        for share in np.arange(1, steps + 1) / steps:
+            finer.append((before[0] + share * (after[0] - before[0]), before[1] + share * (after[1] - before[1])))
+        places.append(len(finer) - 1)
+    return finer, places

@@ -1,0 +1,66 @@
+"""What a scene asks for before anything is meshed: scaled problem, closed forms, load schedule, wanted cell sizes."""
+
+from ..fem.mesh import Grading
+from ..loading.schedule import Load, pressing, rocking, visiting
+from ..scene import Scene
+from ..scene.effects import Effects
+from ..scene.scaling import Scaled
+from .expected_edges import expected_edges
+from .timing import Stopwatch
+
+# The far field is known less well where a coating is not in it, or where coupling moves the contact aside and with it
+# the line on which P acts (k = -0.5: 8 % of a, which costs 8e-3 in p at 20 a): it is prescribed that much further away.
+FARTHER = 5.0
+
+
+class Plan:
+    """A scene in scaled units.
+
+    ``contact`` and ``loop`` are the closed forms, None where there are none; ``watch`` has the seconds spent in each
+    phase.
+    """
+
+    def __init__(self, scene: Scene, watch: Stopwatch):
+        self.scene, self.effects, self.watch = scene, Effects(scene), watch
+        self.scaled = Scaled.of(scene)
+        self.contact, self.mu = self.scaled.contact, scene.mu
+        self.loop = None
+        if scene.is_loop and self.contact:
+            self.loop = self.contact.fretting(mu=self.mu, z=1.0 - scene.load.amplitude)
+        self.schedule = self._schedule()
+
+    @property
+    def graded_for(self) -> tuple | None:
+        """What the mesh of a scene depends on: equal for scenes whose meshes are; None where that is not known."""
+        if self.scene.indenter.profile != "parabola":
+            return None
+        loads = tuple((increment.P, increment.Q) for increment in self.schedule)
+        on = tuple(name for name, verdict in self.effects.verdicts.items() if verdict.on)
+        return loads, self.mu, on, tuple(self.scene.cell_sizes.items()), self.scene.mesh.edges
+
+    def grading(self) -> Grading:
+        """Cell sizes of the scene, graded to where contact and stick zone are expected to end."""
+        scene = self.scene
+        loads = [(increment.P, increment.Q) for increment in self.schedule]
+        with self.watch("edges"):
+            found = expected_edges(scene, self.scaled, self.loop, self.effects, loads)
+        sizes = scene.cell_sizes
+        if not scene.is_power_law:
+            sizes["extent"] *= FARTHER * max(1.0, self.scaled.modulus.thickness)
+        elif "coupling" in self.effects and not scene.is_decoupled:
+            sizes["extent"] *= FARTHER
+        edges = {*found.edges, *(-e for e in found.edges)}
+        sweeps = found.sweeps(scene.k, sizes["facet"], sizes["edge_facet"])
+        return Grading(edges=tuple(sorted(edges)), sweeps=sweeps, **sizes)
+
+    def _schedule(self):
+        scene = self.scene
+        steps = scene.solver.normal_increments if "friction in normal stage" in self.effects else 1
+        if scene.is_path:
+            points = [Load(P / scene.P, Q / scene.P) for P, Q in scene.load.points]
+            first, *rest = points
+            return pressing(first.P, steps) + visiting(first, rest, scene.solver.increments)
+        if not scene.friction:
+            return pressing(1.0)
+        Q_A = scene.load.amplitude * self.mu
+        return pressing(1.0, steps) + rocking(1.0, Q_A, scene.load.cycles, scene.solver.increments)

@@ -1,0 +1,105 @@
+"""What a run is measured against: closed forms where they are exact, the mesh-free solver for everything else.
+
+A reference answers for the states of a history; dimensionless, like the history. It shares neither the mesh nor the
+load steps of the run.
+"""
+
+from typing import Protocol
+
+import numpy as np
+
+from . import step_free
+from .history import Entry, History
+from .mesh_free import MeshFree, NoReference, Tell
+from .simulation import Simulation
+from .springs import Springs
+
+ROUGH_TIMES, ROUGH_INCREMENTS = 20.0, 20  # of an increment over one of the rough edges' of a loop, which makes so many
+
+
+class Reference(Protocol):
+    """Fields at x (n,), half-widths and the energy of the last cycle (all cycles, where none is full)."""
+
+    name: str
+
+    def pressure(self, entry: Entry, x: np.ndarray) -> np.ndarray:
+        """Contact pressure."""
+
+    def traction(self, entry: Entry, x: np.ndarray) -> np.ndarray:
+        """Traction on the half-plane."""
+
+    def slip(self, entry: Entry, x: np.ndarray) -> np.ndarray:
+        """u_x - delta_x since tangential loading began."""
+
+    def contact(self, entry: Entry) -> tuple[float, float]:
+        """Edges of the contact."""
+
+    def stick_half_width(self, entry: Entry) -> float:
+        """Half-width of the zone that sticks."""
+
+    def dissipated_energy(self) -> float | None:
+        """As ``History.dissipated_energy``; None where unknown."""
+
+
+def closed_form(simulation: Simulation) -> Springs | None:
+    """The closed forms of a simulation, whether they describe its physics or neglect some; None without any."""
+    if simulation.contact is None:
+        return None
+    return Springs(simulation.contact, simulation.mu, simulation.schedule)
+
+
+def neglected(simulation: Simulation) -> list[str]:
+    """Effects of a simulation that its closed form, where there is one, leaves out."""
+    coupled = "coupling" in simulation.effects and not simulation.scene.contact_has_closed_form
+    return ["coupling"] * coupled + simulation.effects.without_reference
+
+
+def expected_seconds(simulation: Simulation) -> float:
+    """What ``of_same_physics`` may take, from what the rough edges of the mesh took; 0 for a closed form."""
+    kind = simulation.scene.reference.kind
+    if kind == "none" or (simulation.effects.has_closed_form and kind != "half-plane"):
+        return 0.0
+    shares = len(simulation.schedule) / (ROUGH_INCREMENTS if simulation.scene.is_loop else len(simulation.schedule))
+    return ROUGH_TIMES * shares * simulation.watch.seconds.get("edges", 0.0)
+
+
+def of_same_physics(simulation: Simulation, tell: Tell | None = None) -> Reference:
+    """The reference that ``reference.kind`` asks for, "auto": closed form where exact; NoReference says why none."""
+    kind, foreign = simulation.scene.reference.kind, simulation.effects.without_reference
+    if kind == "none":
+        raise NoReference("reference.kind = none")
+    if foreign:
+        raise NoReference(f"no reference describes {' and '.join(foreign)}")
+    if simulation.effects.has_closed_form and kind != "half-plane":
+        exact = closed_form(simulation)
+        assert exact is not None  # has_closed_form
+        return exact
+    if kind == "closed form":
+        raise NoReference("there is no closed form of this problem, and reference.kind = closed form")
+    if step_free.serves(simulation):
+        try:
+            return step_free.StepFree(simulation, tell)
+        except NoReference:  # the other solver may
+            pass
+    return MeshFree(simulation, tell)
+
+
+def describe(reference: Reference, simulation: Simulation) -> str:
+    """The reference in words: why it has the same physics."""
+    scene = simulation.scene
+    if not isinstance(reference, Springs):
+        friction = "the same friction" if scene.friction else "no friction"
+        nodes = f" of {reference.nodes} nodes" if isinstance(reference, MeshFree) else ""
+        return f"{reference.name}{nodes} with {friction}{' and coupling' if 'coupling' in simulation.effects else ''}"
+    if not scene.friction:
+        return "closed form of the frictionless contact"
+    if "coupling" not in simulation.effects:
+        return "closed form, which neglects coupling as this run does"
+    return "closed form, exact at the Holl ratio"
+
+
+def all_states(history: History) -> list[Entry]:
+    """Entries of the last cycle; where there is none those with a tangential load; without friction all."""
+    if history.has_cycle:
+        return history.last_cycle
+    return [e for e in history.entries if e.increment.branch != "normal" or not history.friction] or history.entries

@@ -1,0 +1,137 @@
+"""What a finished run is reported by, in SI units: its quantities, its checks, and other solutions beside it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from . import checks, comparison, reference
+from .checks import Check
+from .simulation import Simulation
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A run beside another solution under the same loads.
+
+    values: the other's ``a`` [m], ``peak_pressure`` [Pa], ``c_over_a``, ``dissipated_energy`` [J/m], where it has them;
+    deviations: relative, of these and of the last state's fields; worst: the largest of the fields' over all states.
+    """
+
+    other: reference.Reference
+    words: str
+    values: dict[str, float]
+    deviations: dict[str, float]
+    worst: dict[str, float]
+    without: tuple[str, ...] = ()  # effects that the other leaves out
+
+
+@dataclass(frozen=True)
+class Findings:
+    """What is known of a run at its end.
+
+    exact: what has the same physics, None for the reason ``why_none``; neglecting: closed forms that leave some of the
+    run's physics out, where they exist.
+    """
+
+    quantities: dict[str, float]
+    checks: dict[str, Check]
+    exact: Comparison | None
+    why_none: str
+    neglecting: Comparison | None
+
+
+def find(simulation: Simulation, tell: reference.Tell | None = None) -> Findings:
+    """Solve or look up what a finished simulation is compared with, and compare. On one rank.
+
+    tell: called with the number of increments that the reference has done, and that of all.
+    """
+    scene, history = simulation.scene, simulation.history
+    exact, why_none = None, ""
+    with simulation.watch("reference"):
+        try:
+            same = reference.of_same_physics(simulation, tell)
+            exact = _compare(simulation, same, reference.describe(same, simulation))
+        except reference.NoReference as reason:
+            why_none = f"none: {reason}"
+        neglecting, neglected = None, reference.neglected(simulation)
+        closed = reference.closed_form(simulation) if neglected and scene.reference.kind != "none" else None
+        if closed:
+            words = f"closed form, which neglects the {' and the '.join(neglected)} of this run: another problem"
+            neglecting = _compare(simulation, closed, words, tuple(neglected))
+    coupled = "coupling" in simulation.effects or not scene.friction
+    found = checks.check(history, simulation.scaled.indenter.height, coupled)
+    return Findings(quantities(simulation), found, exact, why_none, neglecting)
+
+
+def summary(simulation: Simulation, findings: Findings | None, failure: str | None = None) -> dict:
+    """Everything for summary.json but the versions. findings: of a run that reached its end; else ``failure``."""
+    history, watch = simulation.history, simulation.watch
+    found = {
+        "title": simulation.scene.title,
+        "converged": findings is not None,
+        "checks_hold": None if findings is None else checks.hold(findings.checks),
+        "failure": failure,
+        "effects": {name: verdict.on for name, verdict in simulation.effects.verdicts.items()},
+        "increments": len(history.entries),
+        "resumed": simulation.resumed,
+        "newton_iterations": sum(e.iterations for e in history.entries),
+        "cuts": sum(e.cuts for e in history.entries),
+        "largest_residual": max((e.residual for e in history.entries), default=None),
+        "dofs": simulation.body.unknowns,
+        "ranks": simulation.body.mesh.comm.size,
+    }
+    if findings:
+        found |= findings.quantities
+        found["checks"] = {name: vars(check) | {"holds": check.holds} for name, check in findings.checks.items()}
+        found["reference"] = findings.exact.words if findings.exact else findings.why_none
+        found["errors"] = None
+        found |= _deviations("errors", findings.exact)
+        if findings.neglecting:
+            found["differences_from"] = findings.neglecting.words
+            found |= _deviations("differences", findings.neglecting)
+    return found | {"seconds": watch.seconds | {"total": watch.total}}
+
+
+def quantities(simulation: Simulation) -> dict[str, float]:
+    """Scalars of the last state and cycle."""
+    history, scales = simulation.history, simulation.scaled.scales
+    last = history.entries[-1]
+    found = {
+        "a": last.a * scales.length,
+        "a_over_a0": last.a * scales.length / simulation.scene.a0,
+        "indentation": float(last.surface.delta[1]) * scales.displacement,
+        "peak_pressure": float(last.surface.pressure.max()) * scales.stress,
+    }
+    if history.friction:
+        found["c_over_a"] = last.c / last.a
+        found["dissipated_energy"] = history.dissipated_energy * scales.energy
+    return found
+
+
+def failing(findings: Findings) -> str:
+    """Which checks do not hold, in words; "" where all do."""
+    return "" if checks.hold(findings.checks) else checks.describe(findings.checks)
+
+
+def _deviations(kind: str, beside: Comparison | None) -> dict:
+    if beside is None:
+        return {}
+    return {kind: beside.deviations, f"{kind}_worst_state": beside.worst}
+
+
+def _compare(simulation: Simulation, other: reference.Reference, words: str, without=()) -> Comparison:
+    history, scales = simulation.history, simulation.scaled.scales
+    deviations = comparison.compare(history, other)
+    last, mine = history.entries[-1], quantities(simulation)
+    left, right = other.contact(last)
+    half_width = (right - left) / 2
+    peak = float(other.pressure(last, last.surface.x).max())
+    values = {"a": half_width * scales.length, "peak_pressure": peak * scales.stress}
+    if "c" in deviations:
+        values["c_over_a"] = other.stick_half_width(last) / half_width
+    if "dissipated_energy" in deviations:
+        energy = other.dissipated_energy()
+        assert energy is not None  # compare has divided by it
+        values["dissipated_energy"] = energy * scales.energy
+    deviations |= {name: mine[name] / value - 1 for name, value in values.items() if name not in deviations}
+    return Comparison(other, words, values, deviations, comparison.worst(history, other), without)

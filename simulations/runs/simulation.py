@@ -1,0 +1,184 @@
+"""From a scene to states: mesh, contact problem and load schedule put together. No files."""
+
+from collections.abc import Iterator
+from functools import cached_property
+
+from analytic import GradedHalfPlane, point_force_displacement
+
+from ..fem.body import ElasticBody, X, Y
+from ..fem.contact_problem import ContactProblem, Nitsche
+from ..fem.mesh import Grading, columns, create_mesh, layers
+from ..fem.numbering import Numbering
+from ..fem.parallel import on_root
+from ..fem.surface import SurfaceSampler
+from ..loading.stepping import LoadStepping, SolveError
+from ..scene import Scene
+from ..solvers.condensed.surface_compliance import SurfaceCompliance
+from ..solvers.condensed.system import CondensedSystem
+from ..solvers.full import FullSystem
+from ..solvers.newton import FORCE_TOLERANCE
+from . import freeing
+from .history import Entry, History
+from .limits import check_depth, check_parameters, check_resolution, check_round_off, check_size
+from .plan import Plan
+from .reuse import Meshed, why_not
+from .timing import Stopwatch
+
+# The far field that vanishes at infinity is a rigid translation of order 1/k and little else where k > 0 is small: its
+# last digits would be contact forces. Below this k the field is measured from the depth of the domain, as for k <= 0.
+SMALLEST_K_AT_INFINITY = 0.01
+
+
+class Simulation(Meshed):
+    """A scene on a communicator, ready to run.
+
+    ``history`` grows by one entry an increment while ``run`` is iterated; ``body`` then carries that entry's fields.
+    """
+
+    def __init__(
+        self,
+        comm,
+        scene: Scene,
+        cells: Grading | None = None,
+        like: "Simulation | None" = None,
+        watch: Stopwatch | None = None,
+        tolerance: float = FORCE_TOLERANCE,
+    ):
+        """cells: of the mesh, where they are not those of the scene; like: a simulation of the same solid, whose
+        mesh, stiffness and compliance this one takes over where they do (``reuse.why_not``), whatever its loads,
+        friction and cylinder: it then ends that one; watch: what measures the phases; tolerance: Newton's, of forces
+        and loads over P.
+        """
+        super().__init__(scene, watch or Stopwatch())
+        self.mesh_of = like.mesh_of if like else None if cells else self.graded_for  # what the mesh was graded for
+        check_parameters(scene)
+        if like is None:
+            freeing.earlier(comm)
+            with self.watch("mesh"):
+                self.cells = cells or on_root(comm, self.grading)
+                check_resolution(scene, self.cells, self.loop)
+                check_depth(scene, self.cells)
+                self.ordinates = self._ordinates()
+                check_size(scene, self.cells, *(len(nodes) - 1 for nodes in self.ordinates))
+                mesh, facets = create_mesh(comm, *self.ordinates)
+        with self.watch("forms"):  # compiles them the first time
+            if like is None:
+                self.body = self._body(mesh, facets)
+                freeing.later(self.body)
+            else:
+                self._take_over(like)
+            nitsche = Nitsche(scene.solver.gamma0, scene.solver.theta)
+            indenter = self.scaled.indenter
+            normal = ContactProblem(self.body, indenter.height, nitsche, (Y,))
+            check_round_off(scene, self.cells, normal)
+            frictional = None
+            if scene.friction:
+                directions = (X, Y) if "coupling" in self.effects else (X,)
+                frictional = ContactProblem(self.body, indenter.height, nitsche, directions, self.mu)
+        self.solver = LoadStepping(
+            normal, frictional, self._system, "friction in normal stage" in self.effects, tolerance
+        )
+        self.body.delta.value[Y] = indenter.height(1.0)  # overlap on |x| < a: where Newton starts
+        self.sampler = SurfaceSampler(self.body, normal, scene.friction and "coupling" not in self.effects)
+        self.resumed = 0  # times
+        self.history = History(k=scene.k, mu=self.mu)
+
+    def _ordinates(self):
+        """Columns and layers of the mesh."""
+        law, x = self.scaled.modulus, columns(self.cells)
+        if "symmetry" in self.effects:
+            middle = len(x) // 2
+            x = x[middle:] - x[middle]
+        return x, layers(self.cells, law.depth_map(), law.thickness)
+
+    def _body(self, mesh, facets):
+        scene = self.scene
+        return ElasticBody(
+            mesh,
+            facets,
+            self.scaled.modulus,
+            scene.solid.nu,
+            self._far_field(),
+            self.cells.strip,
+            "incompressibility" in self.effects,
+            self.effects.works(scene, self.scaled.scales),
+            scene.mesh.degree,
+        )
+
+    def _take_over(self, other: "Simulation"):
+        """The body of ``other``, at rest; ValueError where this scene cannot be run on it."""
+        reason = why_not(other, self)
+        if reason:
+            raise ValueError(f"the body cannot be taken over: {reason}")
+        self.cells, self.ordinates, self.body = other.cells, other.ordinates, other.body
+        self.body.reset()
+        if other.scene.solver.method == "condensed":
+            self._compliance = other._compliance
+
+    def run(self) -> Iterator[Entry]:
+        """Solve increment after increment, from where the history ends; SolveError where one fails."""
+        outcomes = self.solver.run(self.schedule, len(self.history.entries))
+        while True:
+            try:
+                with self.watch("solve"):
+                    outcome = next(outcomes, None)
+            except SolveError as error:
+                raise SolveError(failure_in_si(self, error)) from None
+            if outcome is None:
+                return
+            state = self.sampler.sample(self.solver.problem)
+            if state.pressure[0] > 0 or state.pressure[-1] > 0:
+                strip = f"|x| < {self.cells.strip * self.scaled.scales.length:.3g} m"
+                raise SolveError(
+                    failure_in_si(self, f"the contact reaches the end of {strip}, in which it is looked for")
+                )
+            yield self.history.append(outcome, state, self.watch.last)
+
+    def run_to_end(self) -> "Simulation":
+        """``run``, for those who look at the end alone; the simulation itself."""
+        for _ in self.run():
+            pass
+        return self
+
+    @cached_property
+    def numbering(self) -> Numbering:
+        """Places of the nodes on the mesh, for files."""
+        return Numbering(self.body, *self.ordinates)
+
+    def _system(self, problem):
+        if self.scene.solver.method == "full":
+            return FullSystem(problem)
+        return CondensedSystem(problem, self._compliance)
+
+    @cached_property
+    def _compliance(self):
+        return SurfaceCompliance(self.body)
+
+    def _far_field(self):
+        """Displacement of line loads: far away a coating is not seen."""
+        solid, extent = self.scaled.solid, self.cells.extent
+        if not self.scene.is_power_law:
+            below = self.scaled.modulus.young(extent)
+            solid = GradedHalfPlane(E0=float(below), nu=solid.nu, k=0.0, y0=1.0)
+        fixed_depth = None if solid.k >= SMALLEST_K_AT_INFINITY else extent
+
+        def displacement(x, y, **load):
+            return point_force_displacement(solid, x, y, fixed_depth=fixed_depth, **load)
+
+        return displacement
+
+
+def failure_in_si(simulation: Simulation, reason) -> str:
+    """Why the next increment failed, with its loads in SI units and the keys of the scene that they come from."""
+    scene, unit, number = simulation.scene, simulation.scaled.scales.line_load, len(simulation.history.entries)
+    step = simulation.schedule[number]
+    P, Q = getattr(reason, "after", None) or step.load
+    loads = f"P = {P * unit:.4g} N/m, Q = {Q * unit:.4g} N/m"
+    keys = ", ".join(f"load.{name} = {value:g}" for name, value in scene.load if name in ("P", "amplitude", "mu"))
+    place = f"load step {number + 1} of {len(simulation.schedule)}, {step.branch}"
+    return f"{loads} ({place}; {keys or 'load.points'}): {getattr(reason, 'reason', reason)}"
+
+
+def reuse_reason(previous: Simulation, scene: Scene) -> str | None:
+    """Why the body of ``previous`` does not do for ``scene`` (``like`` of a Simulation); None where it does."""
+    return why_not(previous, Plan(scene, Stopwatch()))

@@ -1,0 +1,68 @@
+"""Exact reference of every uncoupled run: the springs of ``analytic.SpringPath`` under the loads of the schedule."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from analytic import CylinderContact, ProfileContact, SpringPath
+
+from ..loading.schedule import LoadStep
+from .history import Entry
+
+
+def last_cycle(states: Sequence, schedule: Sequence[LoadStep]) -> float:
+    """Energy dissipated in the last full cycle of ``schedule``, where there is none since first contact."""
+    before = [state for state, step in zip(states, schedule) if step.cycle < schedule[-1].cycle]
+    return states[-1].dissipated_energy - (before[-1].dissipated_energy if before else 0.0)
+
+
+class Springs:
+    """Closed forms (7), (18), (21) along the lines between the loads of a schedule; they have no load steps.
+
+    contact: the frictionless contact under the largest load; mu: friction coefficient, 0 without friction;
+    schedule: the load steps, which an entry of the history names by its number.
+    """
+
+    name = "closed form"
+
+    def __init__(self, contact: CylinderContact | ProfileContact, mu: float, schedule: Sequence[LoadStep]):
+        self._schedule = schedule
+        self._is_sharp = isinstance(contact, ProfileContact) and contact.profile.order < 2
+        self._states = SpringPath(contact, mu or 1.0).run([(step.P, step.Q) for step in schedule])
+
+    def pressure(self, entry: Entry, x: np.ndarray) -> np.ndarray:
+        """p, (7)."""
+        state = self._states[entry.number]
+        return self._with_finite_tip(entry, x, state.pressure, state.pressure_within)
+
+    def traction(self, entry: Entry, x: np.ndarray) -> np.ndarray:
+        """q, (18); at constant P [X5]."""
+        state = self._states[entry.number]
+        return self._with_finite_tip(entry, x, state.traction, state.traction_within)
+
+    def slip(self, entry: Entry, x: np.ndarray) -> np.ndarray:
+        """u_x - delta_x, the negative of (21)."""
+        return -self._states[entry.number].slip(x)
+
+    def contact(self, entry: Entry) -> tuple[float, float]:
+        """Edges of the contact, (6)."""
+        half_width = self._states[entry.number].contact_half_width
+        return -half_width, half_width
+
+    def stick_half_width(self, entry: Entry) -> float:
+        """Half-width of what stuck during the last change of the loads; at constant P (48), [X5]."""
+        return self._states[entry.number].stick_half_width
+
+    def dissipated_energy(self) -> float:
+        """Of the last full cycle, where there is none since first contact; [X4] for a cycle at constant P."""
+        return last_cycle(self._states, self._schedule)
+
+    def _with_finite_tip(self, entry, x, value, within):
+        """``value`` at x. Under a sharp tip it is infinite: there the mean over the length of surface of the node."""
+        nodes = entry.surface
+        middle = np.abs(nodes.x).argmin()
+        at_tip = np.abs(x) <= 1e-9 * nodes.weight[middle]
+        if not self._is_sharp or not at_tip.any():
+            return value(x)
+        mean = within(nodes.weight[middle] / 2) / nodes.weight[middle]
+        return np.where(at_tip, mean, value(np.where(at_tip, nodes.weight[middle], x)))

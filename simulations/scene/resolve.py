@@ -1,0 +1,121 @@
+"""From tables as they are given to typed tables of numbers: what follows from other keys, lengths in half-widths."""
+
+from collections.abc import Callable, Mapping
+from math import isfinite
+from typing import Any
+
+import numpy as np
+
+from analytic import GradedHalfPlane
+
+from . import accuracy
+from .errors import SceneError, one_line, shown
+from .fields import allowed, plain
+from .indenter import Shape, shape_of
+from .settings import EffectSwitches, Mesh, Reference, Solver, switches
+from .solid import normal_contact
+from .table import KINDS, Table, fields, model_for, unknown
+from .tables import ONE_OF_TWO, TANGENTIAL, AnyIndenter, AnyLoad, AnySolid, Fretting, Indentation, Path
+
+
+def typed_tables(given: Mapping[str, Any]) -> dict[str, Table]:
+    """The tables of a scene, resolved, by name; SceneError where one is wrong or two do not go together.
+
+    given: tables by name, each a model or a dictionary of its keys.
+    """
+    raw = {table: _keys(table, given.get(table, {})) for table in KINDS}
+    for name in given:
+        if name not in KINDS:
+            raise unknown(str(name), given[name])
+    solid: AnySolid = model_for("solid", raw["solid"])(**raw["solid"])
+    indenter: AnyIndenter = model_for("indenter", raw["indenter"])(**raw["indenter"])
+    effects = _effects(raw["effects"], raw["load"])
+    load = _load(raw["load"], effects.friction)
+    solver = Solver(**raw["solver"])
+    if solver.accuracy is not None:
+        _choose_mesh(raw, solver.accuracy, getattr(solid, "k", 0.0) if effects.grading else 0.0, load)
+    return {
+        "solid": _in_metres(solid, indenter, load),
+        "indenter": indenter,
+        "load": load,
+        "mesh": Mesh(**raw["mesh"]),
+        "solver": Solver(**raw["solver"]),
+        "reference": Reference(**raw["reference"]),
+        "effects": effects,
+    }
+
+
+def _keys(table: str, value) -> dict[str, Any]:
+    """The keys that a table is given as; SceneError where one is none of the scene language."""
+    if isinstance(value, Table) and value.table == table:
+        return value.given()
+    if not isinstance(value, Mapping):
+        raise unknown(table, value)
+    for name in value:
+        if f"{table}.{name}" not in fields():
+            raise unknown(f"{table}.{name}", value[name])
+    return dict(value)
+
+
+def _effects(given: dict[str, Any], load: Mapping[str, Any]) -> EffectSwitches:
+    """Switches of effects: friction is on where the load has a key of it."""
+    tangential = [name for name in TANGENTIAL if name in load]
+    effects = switches({"friction": bool(tangential)} | given)
+    if not effects.friction:
+        beside = "is not allowed beside effects.friction = false"
+        for name in tangential:
+            raise SceneError(f"load.{name} = {shown(plain(load[name]))} {beside}")
+        if effects.friction_in_normal_stage:
+            raise SceneError(f"effects.friction_in_normal_stage = true {beside}")
+    return effects
+
+
+def _load(given: dict[str, Any], friction: bool) -> AnyLoad:
+    if "points" not in given:
+        return (Fretting if friction else Indentation)(**given)
+    path = Path(**given)
+    if friction and path.mu is None:
+        raise SceneError(f"load.mu is missing: {allowed(Path.model_fields['mu'])}")
+    return path
+
+
+def _choose_mesh(raw: dict[str, dict[str, Any]], wanted: float, k: float, load: AnyLoad):
+    """Put the cell sizes for an accuracy into the tables; SceneError where others are given."""
+    for key, value in accuracy.choose(wanted, k, getattr(load, "amplitude", 0.9)).mesh.items():
+        table, _, name = key.partition(".")
+        given = plain(raw[table].setdefault(name, value))
+        if given != value:
+            raise SceneError(f"{key} = {shown(given)} is not allowed beside solver.accuracy, which chooses {value:g}")
+
+
+def _in_metres(solid: AnySolid, indenter: AnyIndenter, load: AnyLoad) -> AnySolid:
+    """The solid with lengths in m that were given as multiples of a0."""
+    for length, ratio in ONE_OF_TWO:
+        multiple = getattr(solid, ratio, None)
+        if multiple is not None:
+            a0 = fitting("a0", lambda: half_width_on_homogeneous(solid, shape_of(indenter), load.P), load.P)
+            others = {name: value for name, value in solid.given().items() if name != ratio}
+            solid = type(solid)(**others, **{length: multiple * a0})
+    return solid
+
+
+def half_width_on_homogeneous(solid: AnySolid, shape: Shape, P: float) -> float:
+    """The contact half-width on a homogeneous half-plane of modulus E0 (57), m."""
+    return normal_contact(GradedHalfPlane(solid.E0, solid.nu, 0.0, 1.0), shape, P).a
+
+
+def fitting(name: str, work_out: Callable[[], float], P: float) -> float:
+    """A size of the contact; SceneError where numbers, each allowed, make one that does not exist or that no float
+    holds.
+    """
+    try:
+        with np.errstate(all="ignore"):
+            value = float(work_out())
+        pressure = P / value
+    except SceneError:
+        raise
+    except (ArithmeticError, ValueError, TypeError, NotImplementedError, RecursionError) as error:
+        raise SceneError(f"the scene's numbers do not fit together: {one_line(str(error))}") from None
+    if not all(isfinite(v) and v > 0 for v in (value, pressure)):
+        raise SceneError(f"the scene's numbers do not fit together: {name} = {value:g} m, P/a = {pressure:g} Pa")
+    return value

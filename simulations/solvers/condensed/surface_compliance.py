@@ -1,0 +1,234 @@
+"""Surface compliance matrix of the elastic body, from one Schur factorisation of each symmetric half.
+
+The strip is the row of cells along the surface where contact is looked for. The rest of the body is factorised and
+leaves a dense Schur complement on its interface with the strip. The strip itself is added as a dense system. On a
+mesh that is its own mirror image the symmetric and the antisymmetric half (``mirror``) are independent, and two ranks
+factorise one each.
+"""
+
+import numpy as np
+from dolfinx import fem
+from dolfinx.fem import petsc as fem_petsc
+from mpi4py import MPI
+from petsc4py import PETSc
+from scipy.linalg import solve
+from scipy.sparse import csr_matrix, vstack
+from scipy.sparse.linalg import splu
+
+from ...fem.body import ElasticBody
+from ...fem.parallel import gathered
+from .matrix import ComplianceMatrix
+from .mirror import NONE, Part, parts
+from .schur import PartialFactor
+
+
+class SurfaceCompliance:
+    """Displacement of the strip under unit nodal forces on the surface, and under unit line loads in the far field.
+
+    It depends on the body alone. Surface nodes are sorted by x. ``strip`` holds the global dofs (r,) of the strip
+    cells, sorted. Rank 0 has the matrix and ``far`` (r, 2), columns Q and P; other ranks have neither.
+    """
+
+    def __init__(self, body: ElasticBody):
+        self.body, self.comm = body, body.mesh.comm
+        self._find_surface()
+        inner, interface = self._find_strip()
+        found = parts(body)
+        self._mine: list[tuple[Part, _Half]] = []  # the parts that this rank takes
+        self._blocks: list = []
+        self.far = np.zeros((len(self.strip), 2))
+        loads = np.stack([self._lifting(load) for load in np.eye(2)], axis=1)
+        for number in range(self.comm.rank, self.comm.rank + len(found), self.comm.size):
+            self._add(found[number] if number < len(found) else Part(NONE), inner, interface, loads)
+        self.far = self.comm.reduce(self.far)
+        blocks = self.comm.gather(self._blocks)
+        self._blocks = [block for rank in blocks for block in rank] if blocks else []
+
+    def matrix(self, directions: tuple[int, ...]) -> ComplianceMatrix:
+        """Compliance matrix C (r, mn) for unit forces along ``directions``, one after the other; on rank 0."""
+        whole = ComplianceMatrix((len(self.strip), 2 * self.n), tuple(self._blocks))
+        first = directions[0] * self.n
+        return whole if len(directions) == 2 else whole.chosen(slice(first, first + self.n))
+
+    def collect(self, owned: np.ndarray) -> np.ndarray:
+        """Rows (n, ...) sorted by x, on every rank, from those of the owned surface nodes."""
+        return gathered(self.comm, owned)[self.order]
+
+    def strip_values(self, local=None) -> np.ndarray:
+        """Values on the strip (r,), on every rank, of the ranks' ``local`` arrays; of the body's state by default."""
+        local = self.body.state.x.array if local is None else local
+        return gathered(self.comm, local[self._owned])[self._sorted]
+
+    def put(self, values: np.ndarray):
+        """Rank 0's ``values`` (r,) of the strip into the body's state."""
+        values = self.comm.bcast(values) if self.comm.size > 1 else values
+        self.body.state.x.array[self.strip_dofs] = values[self.position]
+
+    def recover(self):
+        """Bring the state beyond the strip up to date: equilibrium with the strip and the far field as they are."""
+        body = self.body
+        strip, right = self.strip_values(), self._lifting()
+        u = np.zeros(len(right))
+        for part, half in self._mine:
+            part.extend(half.complete(part.restrict(right), self._of_part(part, strip)), u)
+        if self.comm.size > 1:
+            self.comm.Allreduce(MPI.IN_PLACE, u)
+        u[self.strip] = strip
+        first, last = body.stiffness.getOwnershipRange()
+        body.state.x.array[: last - first] = u[first:last]
+        body.state.x.scatter_forward()
+
+    def _of_part(self, part, strip):
+        """The strip's values (r,) as displacements of a part: twice what ``restrict`` makes of forces on a half."""
+        among = part.among(self.strip)
+        return among.restrict(strip) * np.where(among.on_axis, 2.0, 1.0)
+
+    def _find_surface(self):
+        body = self.body
+        nodes = fem.locate_dofs_topological(body.displacements, 1, body.strip)
+        self.touched = nodes  # owned and ghost surface nodes, to which this rank's facets contribute
+        self.surface = nodes[nodes < body.owned_nodes]
+        x = gathered(self.comm, body.displacements.tabulate_dof_coordinates()[self.surface, 0])
+        self.order = np.argsort(x)
+        self.n = len(self.order)
+        by_id = np.argsort(ids := self.collect(self._node_ids(self.surface)))
+        self.node_position = by_id[np.searchsorted(ids, self._node_ids(nodes), sorter=by_id)]  # of ``touched``
+        dofs = body.dofs[self.surface]
+        self._surface_dofs = self.collect(self._global(dofs.ravel()).reshape(-1, 2))
+        fixed = np.isin(dofs, body.fixed_dofs)
+        self._is_free = ~self.collect(fixed)
+
+    def _node_ids(self, nodes):
+        return self.body.displacements.dofmap.index_map.local_to_global(nodes.astype(np.int32))
+
+    def _find_strip(self):
+        """Number the strip's dofs; those inside it and those on its interface with the rest of the body."""
+        body = self.body
+        count = body.mesh.topology.index_map(2).size_local
+        is_strip = np.zeros(count + body.mesh.topology.index_map(2).num_ghosts, dtype=bool)
+        is_strip[body.strip_cells] = True
+        self.strip_dofs = self._dofs_of(np.flatnonzero(is_strip))
+        mine = self._global(self.strip_dofs)
+        self.strip = np.unique(gathered(self.comm, mine))
+        self.position = np.searchsorted(self.strip, mine)
+        self._owned = self.strip_dofs[self.strip_dofs < body.stiffness.getLocalSize()[0]]
+        self._sorted = np.argsort(gathered(self.comm, self._global(self._owned)))
+        beyond = self._global(self._dofs_of(np.flatnonzero(~is_strip[:count])))
+        interface = np.unique(gathered(self.comm, beyond[np.isin(beyond, self.strip)]))
+        return np.setdiff1d(self.strip, interface), interface
+
+    def _dofs_of(self, cells):
+        """Local dofs (sorted) of ``cells``."""
+        dofmap = self.body.space.dofmap
+        blocks, size = np.unique(dofmap.list[cells]).astype(np.int32), dofmap.index_map_bs
+        return (size * blocks[:, None] + np.arange(size)).ravel()
+
+    def _global(self, dofs):
+        """Global numbers of local dofs."""
+        dofmap = self.body.space.dofmap
+        block, component = np.divmod(np.asarray(dofs, dtype=np.int32), np.int32(dofmap.index_map_bs))
+        return dofmap.index_map.local_to_global(block) * dofmap.index_map_bs + component
+
+    def _lifting(self, load=None):
+        """Forces (N,) on every rank that stand for the displacement prescribed far away: under ``load`` or as it is."""
+        body = self.body
+        if load is not None:
+            body.set_far_field(load)
+        b = body.stiffness.createVecLeft()
+        body.stiffness.mult(body.far_value.x.petsc_vec, b)
+        b.scale(-1.0)
+        fem_petsc.set_bc(b, body.boundary_conditions)
+        return gathered(self.comm, b.array_r)
+
+    def _add(self, part, inner, interface, loads):
+        """Factorise a part on this rank, or none, and keep its block of the compliance matrix. Collective."""
+        half, r = _half(self.body, part, inner, interface), len(self.strip)
+        if half is None:
+            return
+        self._mine.append((part, half))
+        place = np.searchsorted(self.strip, self._surface_dofs.T.ravel())
+        forces = csr_matrix((self._is_free.T.ravel().astype(float), (place, np.arange(2 * self.n))), (r, 2 * self.n))
+        among = part.among(self.strip)
+        rows = among.matrix(r)
+        columns = (rows.T @ forces).tocoo()  # of the part's own surface
+        own, column = np.unique(columns.row, return_inverse=True)
+        columns = csr_matrix((columns.data, (columns.col, column)), (2 * self.n, len(own)))
+        unit = np.zeros((len(among.dofs), len(own)))
+        unit[own, np.arange(len(own))] = 0.5 if part.is_half else 1.0
+        self._blocks.append((rows, half.respond(unit), columns))
+        self.far += rows @ half.far(part.restrict(loads))
+
+
+class _Half:
+    """A part of the body on one rank: the factor of its bulk, and its strip condensed onto the interface."""
+
+    def __init__(self, matrix: csr_matrix, is_inner: np.ndarray, is_interface: np.ndarray, definite: bool):
+        """matrix: stiffness (h, h); is_inner, is_interface: (h,) which dofs are inside the strip, and on its edge."""
+        self._bulk, self._inner = np.flatnonzero(~is_inner), np.flatnonzero(is_inner)
+        in_strip = is_inner | is_interface
+        self._in_strip = np.flatnonzero(is_inner[in_strip]), np.flatnonzero(is_interface[in_strip])
+        self._kept = np.flatnonzero(is_interface[self._bulk])
+        self._factor = PartialFactor(matrix[self._bulk][:, self._bulk], self._kept, definite)
+        self._assume = "pos" if definite else "sym"
+        inside = matrix[self._inner][:, np.concatenate([self._inner, np.flatnonzero(is_interface)])]
+        m = len(self._inner)
+        self._border = inside[:, m:]
+        self._inside = splu(inside[:, :m].tocsc())
+        self._response = self._inside.solve(self._border.toarray())
+        self._schur = self._factor.schur - self._border.T @ self._response
+
+    def respond(self, forces: np.ndarray) -> np.ndarray:
+        """Displacements (r, c) of the strip under forces (r, c) on it."""
+        inner, interface = self._in_strip
+        return self._join(forces[inner], forces[interface])
+
+    def far(self, forces: np.ndarray) -> np.ndarray:
+        """Displacements (r, c) of the strip under forces (h, c) anywhere."""
+        fixed = np.stack([self._factor.solve(column)[self._kept] for column in forces[self._bulk].T], axis=1)
+        return self._join(forces[self._inner], self._factor.schur @ fixed)
+
+    def complete(self, forces: np.ndarray, strip: np.ndarray) -> np.ndarray:
+        """Displacements (h,) of the whole part where the strip's are known, under forces (h,) on the bulk."""
+        right = forces[self._bulk]
+        right[self._kept] -= self._border.T @ strip[self._in_strip[0]]
+        displacements = np.zeros(len(forces))
+        displacements[self._bulk] = self._factor.solve(right)
+        return displacements
+
+    def _join(self, inside, on_interface):
+        """Displacements of the strip under forces inside it and on its interface, those of the bulk condensed onto
+        that.
+        """
+        particular = self._inside.solve(np.ascontiguousarray(inside))
+        on_interface = on_interface - self._border.T @ particular
+        u = solve(self._schur, on_interface, assume_a=self._assume, check_finite=False)
+        joined = np.empty((len(particular) + len(u), u.shape[1]))
+        inner, interface = self._in_strip
+        joined[inner], joined[interface] = particular - self._response @ u, u
+        return joined
+
+
+def _half(body: ElasticBody, part: Part, inner, interface) -> "_Half | None":
+    """What this rank knows of its own part; None where that is empty. Collective."""
+    dofs = part.dofs
+    matrix = _rows(body.constrained_stiffness, dofs)[:, dofs]
+    if not len(dofs):
+        return None
+    row = np.repeat(part.on_axis, np.diff(matrix.indptr))
+    matrix.data[row & part.on_axis[matrix.indices]] *= 0.5
+    return _Half(matrix, np.isin(dofs, inner), np.isin(dofs, interface), not body.mixed)
+
+
+def _rows(matrix: PETSc.Mat, rows: np.ndarray) -> csr_matrix:
+    """Rows (h, N), sorted global numbers, of a distributed matrix on this rank. Collective."""
+    first, last = matrix.getOwnershipRange()
+    is_own = (first <= rows) & (rows < last)
+    wanted = [np.asarray(d, PETSc.IntType) for d in (rows[~is_own], np.arange(matrix.size[1]))]
+    (found,) = matrix.createSubMatrices(*([PETSc.IS().createGeneral(d, comm=PETSc.COMM_SELF)] for d in wanted))
+    own, others = (csr_matrix(m.getValuesCSR()[::-1], (m.getLocalSize()[0], matrix.size[1])) for m in (matrix, found))
+    found.destroy()
+    own = own[rows[is_own] - first]
+    if np.all(is_own):
+        return own
+    order = np.concatenate([np.flatnonzero(is_own), np.flatnonzero(~is_own)])
+    return vstack([own, others], format="csr")[np.argsort(order)]

@@ -1,0 +1,196 @@
+"""One engine for many independent runs: over any executor, with a store of what is finished and one line of progress.
+
+    with workers(comm) as executor:               # every rank; None on the ranks that work for rank 0
+        if comm.rank == 0:
+            rows = run_all(items, work, Store(folder / "runs.jsonl"), executor)
+
+``work`` is a function of a module: it goes to other processes by name.
+"""
+
+import gc
+import time
+import traceback
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+from mpi4py import MPI
+from mpi4py.futures import MPICommExecutor
+
+from ..command.progress import duration
+from ..output.files import OutputError
+from ..scene import SceneError
+from .store import Store
+
+Row = dict[str, Any]
+FAILED = "failed"  # key of a row that holds nothing but the reason why there is no result
+POLL = 0.01  # seconds at most between two looks for messages of other ranks
+COLLECT = 3.0  # seconds between two searches for reference cycles
+PAUSE = 1.0  # seconds between two lines of progress
+
+
+@dataclass(frozen=True)
+class Item:
+    """One run: a name for people, and the values that ``work`` is called with (numbers, texts, lists of these)."""
+
+    name: str
+    values: dict[str, Any]
+
+
+@contextmanager
+def workers(comm: MPI.Comm) -> Iterator[Executor | None]:
+    """An executor over the other ranks on rank 0; None on the others, which work until rank 0 leaves, and on one rank.
+
+    Who has nothing to do takes the next run. What rank 0 cannot write is raised on every rank. Collective.
+    """
+    if comm.size == 1:
+        yield None
+        return
+    failure = None
+    with MPICommExecutor(comm, root=0, backoff=POLL) as executor:
+        try:
+            yield executor
+        except (SceneError, OutputError) as reason:  # of rank 0
+            failure = reason
+    failure = comm.bcast(failure)
+    if failure is not None:
+        raise failure
+
+
+def run_all(
+    items: Iterable[Item],
+    work: Callable[[Row], Row],
+    store: Store | None = None,
+    executor: Executor | None = None,
+    tell: Callable[[str], None] | None = None,
+    takes_part: bool = True,
+) -> list[Row]:
+    """The row of every item, in order: what ``work(item.values)`` returns, or ``{"failed": reason}``.
+
+    What the store holds is not run again; a failed run is told, never kept (another call tries it again), and never the
+    end of the others. executor: None, or where runs may go; takes_part: this process works too, from the end of the
+    list, so that N ranks do the work of N. tell: called with lines of progress. OutputError where the store cannot be
+    written.
+    """
+    items = list(items)
+    kept = store.read() if store else {}
+    rows = {number: kept[item] for number, item in enumerate(map(_key, items)) if item in kept}
+    progress = _Progress(len(items), len(rows), tell)
+
+    def finish(number: int, row: Row):
+        rows[number] = row
+        if store and FAILED not in row:
+            try:
+                store.keep(_key(items[number]), items[number].values, row)
+            except OSError as error:
+                reason = f"{store.path} cannot be written: {error.strerror or error}"
+                raise OutputError(f"{reason}; the same command goes on where it was") from None
+        progress.step(items[number].name, row)
+
+    missing = [number for number in range(len(items)) if number not in rows]
+    try:
+        if executor is None:
+            for number in missing:
+                finish(number, _attempt(work, items[number].values))
+        else:
+            waiting = {executor.submit(_remote, work, items[number].values): number for number in missing}
+            _share(waiting, lambda number: _attempt(work, items[number].values), finish, takes_part)
+    except KeyboardInterrupt:
+        if tell and store:
+            tell("stopped; the same command goes on where it was")
+        raise
+    return [rows[number] for number in range(len(items))]
+
+
+def _share(waiting: dict[Future, int], attempt: Callable[[int], Row], finish: Callable[[int, Row], None], takes_part):
+    """Finish what comes back, until nothing is out; meanwhile this process works from the end of the list."""
+    try:
+        while waiting:
+            for future in [future for future in waiting if future.done()]:
+                finish(waiting.pop(future), _result(future))
+            # what can still be cancelled has not begun, and is this process's own from now on
+            mine = next((future for future in reversed(waiting) if future.cancel()), None) if takes_part else None
+            if mine is not None:
+                number = waiting.pop(mine)
+                finish(number, attempt(number))
+            else:
+                wait(waiting, return_when=FIRST_COMPLETED)
+    finally:
+        for future in waiting:
+            future.cancel()
+
+
+def _key(item: Item) -> str:
+    return Store.key(item.name, item.values)
+
+
+def _attempt(work, values) -> Row:
+    """What ``work`` returns, or why it does not."""
+    try:
+        return work(values)
+    except Exception as error:
+        return {FAILED: _reason(error)}
+    finally:
+        _collect()
+
+
+_collected = [0.0]  # when this process last freed what runs left in reference cycles
+
+
+def _collect():
+    """Free it, but not after every run: Python does not see how large it is, and the search takes 0.1 s."""
+    if time.monotonic() - _collected[0] > COLLECT:
+        gc.collect()
+        _collected[0] = time.monotonic()
+
+
+def _remote(work, values) -> Row:
+    """The same in another process, from which a signal's own exception could not be sent back."""
+    try:
+        return _attempt(work, values)
+    except KeyboardInterrupt as stop:
+        raise KeyboardInterrupt(str(stop)) from None
+
+
+def _result(future: Future) -> Row:
+    try:
+        return future.result()
+    except Exception as error:  # the process ended, or the row could not be sent
+        return {FAILED: _reason(error)}
+
+
+def _reason(error: Exception) -> str:
+    """One line: the message of the project's own exceptions; of others the type and the place too."""
+    said = (str(error).strip().splitlines() or ["no reason given"])[0]
+    if type(error).__module__.partition(".")[0] in ("simulations", "analytic"):
+        return said
+    places = traceback.extract_tb(error.__traceback__)
+    where = f", {places[-1].filename.rpartition('/')[2]} line {places[-1].lineno}" if places else ""
+    return f"{type(error).__name__}: {said}{where}"
+
+
+class _Progress:
+    """Lines like ``12/225, 3 min left``; a run that failed is told at once."""
+
+    def __init__(self, total: int, kept: int, tell: Callable[[str], None] | None):
+        self._total, self._done, self._first, self._tell = total, kept, kept, tell
+        self._start = self._said = time.monotonic()
+        if tell and kept:
+            tell(f"{kept} of {total} runs kept from before")
+
+    def step(self, name: str, row: Row):
+        """One more is done."""
+        self._done += 1
+        if self._tell is None:
+            return
+        if FAILED in row:
+            self._tell(f"{name}: {row[FAILED]}")
+        now = time.monotonic()
+        if now - self._said < PAUSE and self._done < self._total:
+            return
+        self._said = now
+        left = (now - self._start) / (self._done - self._first) * (self._total - self._done)
+        rest = f"{duration(left)} left" if self._done < self._total else f"{duration(now - self._start)}"
+        self._tell(f"{self._done:4d}/{self._total}  {name}, {rest}")

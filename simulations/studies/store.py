@@ -1,0 +1,45 @@
+"""Finished runs on disk, one line of JSON each: what a stopped study leaves behind is what the next one begins with."""
+
+import hashlib
+import json
+import os
+from pathlib import Path
+from typing import Any
+
+
+class Store:
+    """A file of lines {"key", "values", "row"}. One process writes; a line cut short by a stop is passed over."""
+
+    def __init__(self, path: Path):
+        self.path = path
+
+    @staticmethod
+    def key(name: str, values: dict[str, Any]) -> str:
+        """The name with a hash of the values: another value is another run."""
+        text = json.dumps(values, sort_keys=True)
+        return f"{name} #{hashlib.sha256(text.encode()).hexdigest()[:16]}"
+
+    def read(self) -> dict[str, dict[str, Any]]:
+        """Every finished row by key."""
+        found: dict[str, dict[str, Any]] = {}
+        if not self.path.exists():
+            return found
+        for line in self.path.read_text(encoding="utf-8", errors="replace").splitlines():
+            try:
+                record = json.loads(line)
+                found[record["key"]] = record["row"]
+            except (ValueError, KeyError, TypeError):
+                continue
+        return found
+
+    def keep(self, key: str, values: dict[str, Any], row: dict[str, Any]):
+        """Append one run, on disk before this returns. OSError where it cannot be."""
+        line = json.dumps({"key": key, "values": values, "row": row})
+        with self.path.open("a+b") as file:
+            if file.tell() > 0:
+                file.seek(-1, os.SEEK_END)
+                if file.read(1) != b"\n":  # a line cut short must not swallow this one
+                    file.write(b"\n")
+            file.write(line.encode() + b"\n")
+            file.flush()
+            os.fsync(file.fileno())

@@ -1,0 +1,191 @@
+"""Many scenes, one table: ``sweep(scene, vary)`` runs every combination and returns a row for each.
+
+    from simulations import sweep
+    table = sweep(vary={"solid.k": [-0.3, 0.0, 0.3], "load.amplitude": [0.5, 0.9]})
+    table.to_csv("sweep.csv")
+"""
+
+import json
+import time
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Executor
+from pathlib import Path
+from typing import Any
+
+from mpi4py import MPI
+
+from ..output.files import write_table
+from ..output.folder import begin
+from ..output.results import Results
+from ..runs import checks, comparison, reference
+from ..runs.simulation import Simulation
+from ..scene import DEFAULT_SCENE, Scene, SceneError, parse
+from ..scene.effects import Effects
+from .engine import FAILED, Item, Row, run_all
+from .store import Store
+from .variation import Changes, base_of, check, overrides, product
+
+# Keys that leave mesh and stiffness as they are, in units of the contact: load, cylinder and modulus only scale.
+SCALES = {"title", "load.P", "solid.E0", "solid.y0", "indenter.R"}
+# Likewise where pressure and traction do not see each other.
+UNCOUPLED = {"load.mu", "load.cycles"}
+RUN_ONLY = {"solver.increments", "solver.gamma0", "reference.kind"}
+
+
+class Table(list[Row]):
+    """Rows of a sweep, one a scene: the keys that vary, results, errors, checks, seconds, status and reason."""
+
+    def to_csv(self, path: str | Path):
+        """A CSV file with a column for each key of any row."""
+        write_table(Path(path), self)
+
+    @property
+    def failed(self) -> int:
+        """Scenes without results."""
+        return sum(row["status"] != "done" for row in self)
+
+
+def sweep(
+    scene: str | Scene | Mapping[str, Any] = DEFAULT_SCENE,
+    vary: Mapping[str, Sequence] | Sequence[Mapping[str, Any]] = (),
+    executor: Executor | None = None,
+    output: str | Path | None = None,
+    folders: bool = False,
+    sets: Sequence[str] = (),
+    tell: Callable[[str], None] | None = None,
+) -> Table:
+    """Run every combination of ``vary`` on ``scene``; SceneError, before anything is run, where the input is wrong.
+
+    scene: TOML text, a Scene, or all its keys; vary: values by key, or a list of changes; executor: of processes that
+    share the scenes with this one, for instance a ProcessPoolExecutor that spawns them; output: folder in which
+    finished scenes are kept, so that a sweep that was stopped goes on, and with ``folders`` the results of each; sets:
+    ``KEY=VALUE`` for all scenes; tell: called with lines of progress. A scene that fails is a row with its reason.
+    """
+    text, sets = base_of(scene), tuple(sets)
+    cases = product(vary)
+    check(text, sets, cases)
+    if folders and output is None:
+        raise SceneError("folders of the runs need a folder: output")
+    return run_sweep(text, sets, cases, executor, output, folders, tell)
+
+
+def run_sweep(text: str, sets: tuple[str, ...], cases: list[Changes], executor, output, folders, tell) -> Table:
+    """The table of checked cases; see ``sweep``."""
+    store = None
+    if output is not None:
+        Path(output).mkdir(parents=True, exist_ok=True)
+        store = Store(Path(output) / "sweep.jsonl")
+    if executor is not None:
+        compile_forms(text, sets, cases)
+    # neighbours in this order may share a body
+    order = sorted(range(len(cases)), key=lambda number: _solid(cases[number]))
+    items = []
+    for number in order:
+        values = {"text": text, "set": [*sets, *overrides(cases[number])]}
+        if folders:
+            values["folder"] = str(Path(output) / f"run-{number + 1:04d}")
+        items.append(Item(", ".join(f"{key} = {value}" for key, value in cases[number].items()), values))
+    try:
+        found = run_all(items, run_scene, store, executor, tell)
+    finally:
+        _kept.clear()
+    rows = dict(zip(order, found, strict=True))
+    return Table(cases[number] | _with_status(rows[number]) for number in range(len(cases)))
+
+
+def _with_status(row: Row) -> Row:
+    failed = row.get(FAILED)
+    return {"status": "done" if failed is None else FAILED, "reason": failed or ""} | ({} if failed else row)
+
+
+def _solid(changes: Changes) -> str:
+    """What may be shared comes first when sorted by it."""
+    free = SCALES | UNCOUPLED | RUN_ONLY
+    return json.dumps({key: value for key, value in sorted(changes.items()) if key not in free})
+
+
+_kept: list[Simulation] = []  # the last simulation of this process, whose body the next may take over
+
+
+def run_scene(values: Row) -> Row:
+    """Results of one scene, on this process alone."""
+    start = time.perf_counter()
+    scene = parse(values["text"], tuple(values["set"]))
+    previous = _kept.pop() if _kept else None
+    simulation = prepared(scene, previous)
+    del previous
+    if "folder" in values:
+        folder = Path(values["folder"])
+        folder.mkdir(parents=True, exist_ok=True)
+        begin(folder, scene)
+        with Results(folder, simulation) as results:
+            for entry in simulation.run():
+                results.record(entry)
+    else:
+        simulation.run_to_end()
+    row = numbers(simulation)
+    _kept.append(simulation)
+    return row | {"seconds": round(time.perf_counter() - start, 3)}
+
+
+def prepared(scene: Scene, previous: Simulation | None) -> Simulation:
+    """The simulation of a scene, with the body of the previous one where that is its own."""
+    if previous is not None and reusable(previous, scene):
+        try:
+            return Simulation(MPI.COMM_SELF, scene, like=previous)
+        except ValueError:  # not the same in scaled units; or the scene is refused, which its own body tells
+            pass
+    return Simulation(MPI.COMM_SELF, scene)
+
+
+def reusable(previous: Simulation, scene: Scene) -> bool:
+    """True where the scene's own mesh, in scaled units, is that of ``previous``: what is shared changes no number."""
+    mine, other = scene.to_keys(), previous.scene.to_keys()
+    free = SCALES | RUN_ONLY
+    if scene.contact_has_closed_form and previous.scene.contact_has_closed_form:
+        free = free | UNCOUPLED
+    if mine["indenter.profile"] != "parabola" or not scene.is_power_law:  # shapes and layers with lengths of their own
+        free = free - SCALES
+    if not scene.is_loop:  # the mesh is graded to every load
+        free = free - {"solver.increments"}
+    return all(mine.get(key) == other.get(key) for key in mine.keys() | other.keys() if key not in free)
+
+
+def compile_forms(text: str, sets: tuple[str, ...], cases: list[Changes]):
+    """Compile the forms of all scenes once, before several processes want them at the same time."""
+    seen = set()
+    for changes in cases:
+        try:
+            scene = parse(text, (*sets, *overrides(changes)))
+            keys, effects = scene.to_keys(), Effects(scene)
+            names = ("mesh.degree", "solid.modulus", "indenter.profile", "solver.theta")
+            kind = (*(keys[name] for name in names), scene.k == 0, *(v.on for v in effects.verdicts.values()))
+            if kind not in seen:
+                Simulation(MPI.COMM_SELF, scene)
+                seen.add(kind)
+        except SceneError:  # a row of the table
+            continue
+
+
+def numbers(simulation: Simulation) -> Row:
+    """What the table says of a finished scene; SI units."""
+    scene, history, scales = simulation.scene, simulation.history, simulation.scaled.scales
+    last, coupled = history.entries[-1], "coupling" in simulation.effects
+    row: Row = {"a[m]": last.a * scales.length}
+    if history.friction:
+        row |= {"c_over_a": last.c / last.a, "delta_x[m]": last.surface.delta[0] * scales.displacement}
+        row |= {"dissipated_energy[J/m]": history.dissipated_energy * scales.energy}
+    row |= {"indentation[m]": last.surface.delta[1] * scales.displacement}
+    row |= {"peak_pressure[Pa]": last.surface.pressure.max() * scales.stress}
+    found = checks.check(history, simulation.scaled.indenter.height, coupled or not scene.friction)
+    broken = [name for name, one in found.items() if not one.holds]
+    try:
+        exact = reference.of_same_physics(simulation)
+        row |= {f"error_{name}": value for name, value in comparison.compare(history, exact).items()}
+        row["reference"] = reference.describe(exact, simulation)
+    except reference.NoReference as reason:
+        row["reference"] = f"none: {reason}"
+    row |= {"checks": "hold" if not broken else "not held: " + "; ".join(broken)}
+    row |= {"unknowns": simulation.body.unknowns, "increments": len(history.entries)}
+    row["newton_iterations"] = sum(entry.iterations for entry in history.entries)
+    return {key: float(value) if isinstance(value, float) else value for key, value in row.items()}

@@ -1,0 +1,163 @@
+"""What a sweep varies: keys with lists or ranges of values, and tables of keys, as a list of changes of a scene."""
+
+import csv
+import io
+import itertools
+import re
+import tomllib
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..scene import SceneError, parse, shown
+from ..scene.errors import one_line
+from ..scene.text import flatten, read_keys, read_value, written
+
+Changes = dict[str, Any]  # keys of a scene and their values
+MOST = 100_000  # scenes of a sweep
+LARGEST = 10_000_000  # bytes of a file
+NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+RANGE = re.compile(rf"({NUMBER}):({NUMBER}):(\d+)")
+
+
+def read_text(path: Path, what: str) -> str:
+    """Text of a file; SceneError where it cannot be read."""
+    try:
+        if not path.is_file() or path.stat().st_size > LARGEST:
+            raise SceneError(f"{what} {shown(path)} cannot be read: not a file of at most {LARGEST} bytes")
+        return path.read_text(encoding="utf-8-sig")
+    except OSError as error:
+        raise SceneError(f"{what} {shown(path)} cannot be read: {error.strerror}") from None
+    except UnicodeDecodeError:
+        raise SceneError(f"{what} {shown(path)} cannot be read: it is not text") from None
+
+
+def read_vary(options: Sequence[str]) -> dict[str, list]:
+    """Values by key of ``KEY=FIRST:LAST:COUNT`` and ``KEY=VALUE,VALUE,...``."""
+    vary: dict[str, list] = {}
+    for option in options:
+        key, equals, text = (part.strip() for part in option.partition("="))
+        if not (key and equals and text):
+            raise SceneError(f"--vary {shown(option)} is not allowed: KEY=FIRST:LAST:COUNT or KEY=VALUE,VALUE,...")
+        if key in vary:
+            raise SceneError(f"--vary {key} is given twice")
+        vary[key] = _values(key, text)
+    return vary
+
+
+def _values(key: str, text: str) -> list:
+    found = RANGE.fullmatch(text)
+    if found:
+        first, last, count = float(found[1]), float(found[2]), int(found[3])
+        if not 2 <= count <= MOST or first == last:
+            raise SceneError(f"--vary {key}={text} is not allowed: two different ends and 2 to {MOST} values")
+        return [float(f"{value:.12g}") for value in np.linspace(first, last, count)]
+    if ":" in text and "[" not in text and '"' not in text:
+        raise SceneError(f"--vary {key}={shown(text)} is not allowed: a range is FIRST:LAST:COUNT, three numbers")
+    try:
+        return tomllib.loads(f"value = [{text}]")["value"]
+    except (ValueError, RecursionError):
+        values = [read_value(part.strip()) for part in text.split(",")]
+    if "" in values:
+        raise SceneError(f"--vary {key}={shown(text)} is not allowed: a value is missing between two commas")
+    return values
+
+
+def read_table(path: Path) -> list[Changes]:
+    """Rows of a CSV file whose columns are keys of the scene."""
+    head, *lines = list(csv.reader(io.StringIO(read_text(path, "--csv-in")))) or [[]]
+    names = [name.strip() for name in head]
+    if not lines or "" in names or len(set(names)) < len(names):
+        raise SceneError(f"--csv-in {shown(path)} is not allowed: a line of different keys, then lines of values")
+    rows = []
+    for number, line in enumerate(lines, start=2):
+        if not line:
+            continue
+        if len(line) != len(names) or "" in (cell.strip() for cell in line):
+            raise SceneError(f"--csv-in {shown(path)}, line {number}: {len(names)} values are needed")
+        row = {name: read_value(cell.strip()) for name, cell in zip(names, line)}
+        if row in rows:
+            raise SceneError(f"--csv-in {shown(path)}, line {number}: the same row is there twice")
+        rows.append(row)
+    return rows
+
+
+def product(
+    vary: Mapping[str, Sequence] | Sequence[Mapping[str, Any]], rows: Sequence[Changes] = ({},)
+) -> list[Changes]:
+    """Every combination of the values, the last key's fastest, each with every row; or the rows alone.
+
+    SceneError where nothing varies, a key has no or the same value twice, or a key is in both.
+    """
+    if not isinstance(vary, Mapping):
+        rows, vary = [dict(row) for row in vary], {}
+    columns = {key: [_plain(value) for value in values] for key, values in vary.items()}
+    for key, values in columns.items():
+        if not values:
+            raise SceneError(f"{key} is to vary but has no value")
+        for i, value in enumerate(values):
+            if value in values[:i]:
+                raise SceneError(f"{key} = {shown(value)} is to vary but is there twice")
+        if any(key in row for row in rows):
+            raise SceneError(f"{key} is to vary in two ways: as a key of its own and in a table")
+    if not columns and not any(rows):
+        raise SceneError("nothing varies: --vary KEY=FIRST:LAST:COUNT, --vary KEY=VALUE,VALUE,... or --csv-in FILE")
+    count = len(rows)
+    for values in columns.values():
+        count *= len(values)
+    if count > MOST:
+        raise SceneError(f"{count} scenes are too many: {MOST} are allowed")
+    cases = [dict(zip(columns, values)) for values in itertools.product(*columns.values())]
+    return [{key: _plain(value) for key, value in row.items()} | case for row in rows for case in cases]
+
+
+def base_of(scene) -> str:
+    """TOML text of a scene that is to be varied: a text, changes of none (all keys by name), or a Scene."""
+    if isinstance(scene, str):
+        read_keys(scene)
+        return scene
+    if isinstance(scene, Mapping):
+        return "".join(f"{key} = {written(_plain(value))}\n" for key, value in flatten(dict(scene)).items())
+    return scene.to_toml()
+
+
+def overrides(changes: Mapping[str, Any]) -> tuple[str, ...]:
+    """The changes as ``parse`` takes them."""
+    return tuple(f"{key}={written(value)}" for key, value in changes.items())
+
+
+def check(text: str, sets: tuple[str, ...], cases: list[Changes]):
+    """SceneError for a value that no combination takes. What only some combinations refuse is a row of the table."""
+    refused: dict[tuple[str, str], SceneError] = {}
+    accepted: set[tuple[str, str]] = set()
+    for changes in cases:
+        entries = [(key, written(value)) for key, value in changes.items()]
+        try:
+            parse(text, (*sets, *overrides(changes)))
+        except SceneError as error:
+            for entry in entries:
+                refused.setdefault(entry, error)
+        else:
+            accepted.update(entries)
+            if len(accepted) == len(entries):
+                _check_order(text, sets, changes)
+    for entry, reason in refused.items():
+        if entry not in accepted:
+            raise SceneError(f"{entry[0]} = {one_line(entry[1])} is to vary, but: {reason}")
+
+
+def _check_order(text: str, sets: tuple[str, ...], changes: Changes):
+    """SceneError where one key takes the place of another, as a length that of its ratio: then only the last counts."""
+    backwards = dict(reversed(changes.items()))
+    one, two = (parse(text, (*sets, *overrides(either))).to_toml() for either in (changes, backwards))
+    if one != two:
+        raise SceneError(f"{', '.join(changes)} are to vary, but one of them takes the place of another")
+
+
+def _plain(value):
+    """A numpy number as a number, a tuple as a list."""
+    if isinstance(value, (np.ndarray, np.generic)):
+        return value.tolist()
+    return [_plain(inner) for inner in value] if isinstance(value, (list, tuple)) else value

@@ -1,0 +1,85 @@
+"""Run a scene for many values of its keys, and make one table:
+
+    mpirun -n 2 python -m simulations.sweep SCENE.toml --vary solid.k=-0.5:0.9:15 --vary load.amplitude=0.1,0.5,0.9
+
+Every rank solves scenes of its own. What is finished is kept in the folder: the same command goes on where it was.
+"""
+
+import sys
+from argparse import Namespace
+from pathlib import Path
+from types import ModuleType
+
+from . import __version__
+from .command.command import Parser, comm, on_root, run, say, writable
+from .scene import DEFAULT_SCENE, SceneError
+from .studies.engine import workers
+from .studies.sweeping import Table, run_sweep, sweep
+from .studies.variation import check, product, read_table, read_text, read_vary
+
+SOME_FAILED = 3  # exit code
+
+
+def main(arguments: list[str]):
+    """Run all scenes and write sweep.csv; exit code 3 where some of them failed."""
+    given = on_root(lambda: read(arguments))
+    table = Table()
+    tell = (lambda line: None) if given.quiet else say
+    with workers(comm) as executor:
+        if comm.rank == 0:
+            tell(f"{len(given.cases)} scenes on {comm.size} rank(s)")
+            table = run_sweep(given.text, given.sets, given.cases, executor, given.output, given.folders, tell)
+            table.to_csv(given.output / "sweep.csv")
+    failed = comm.bcast(table.failed)
+    tell(f"written to {given.output}: sweep.csv, {len(table)} rows")
+    if failed:
+        say(f"{failed} of {len(given.cases)} scenes failed: see status and reason in sweep.csv", file=sys.stderr)
+        raise SystemExit(SOME_FAILED)
+
+
+def read(arguments: list[str]) -> Namespace:
+    """The checked command line with ``text``, ``sets`` and ``cases``; SceneError where anything is wrong."""
+    program = "python -m simulations.sweep"
+    parser = Parser(prog=program, description=__doc__, allow_abbrev=False, conflict_handler="resolve")
+    parser.add_argument("scene", nargs="?", type=Path, help="scene file (TOML); without one, the default scene")
+    parser.add_argument(
+        "--vary",
+        action="append",
+        default=[],
+        metavar="KEY=VALUES",
+        help="FIRST:LAST:COUNT, or VALUE,VALUE,...; all combinations of several",
+    )
+    parser.add_argument("--csv-in", type=Path, metavar="FILE", help="scenes from a table whose columns are keys")
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="change a key of all scenes")
+    parser.add_argument(
+        "--output", type=Path, metavar="DIR", help="folder (default: results/sweep-SCENE)"
+    )
+    parser.add_argument("--folders", action="store_true", help="also the results folder of every scene")
+    parser.add_argument("--quiet", action="store_true", help="say nothing but warnings and errors")
+    parser.add_argument("--version", action="version", version=f"graded-fretting {__version__}")
+    given = parser.parse_args(arguments)
+    given.text = DEFAULT_SCENE if given.scene is None else read_text(given.scene, "scene")
+    given.sets = tuple(given.set)
+    rows = read_table(given.csv_in) if given.csv_in else [{}]
+    given.cases = product(read_vary(given.vary), rows)
+    for override in given.sets:
+        key = override.partition("=")[0].strip()
+        if any(key in changes for changes in given.cases):
+            raise SceneError(f"{key} is to vary, and --set {override} gives it one value")
+    check(given.text, given.sets, given.cases)
+    name = "default" if given.scene is None else given.scene.stem
+    given.output = writable(given.output or Path("results") / f"sweep-{name}")
+    return given
+
+
+class _Command(ModuleType):
+    """This module once imported is also what ``from simulations import sweep`` finds: it can be called like it."""
+
+    def __call__(self, *arguments, **options):
+        return sweep(*arguments, **options)
+
+
+sys.modules[__name__].__class__ = _Command
+
+if __name__ == "__main__":
+    run(main)

@@ -1,0 +1,133 @@
+"""A run that is stopped at any moment ends in one line with the command that goes on, and reaches the same numbers."""
+
+import json
+import os
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from conftest import MPI_ENVIRONMENT, ROOT, coarse_arguments, run_command
+
+SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGKILL)
+MOMENTS = 20
+LINE = ("go on with python -m simulations.fretting --resume", "start again with python -m simulations.fretting")
+DONE = "the run is done"
+
+
+def start(*arguments, ranks=1, python=()):
+    command = [sys.executable, "-u", *python, "-m", "simulations.fretting", *map(str, arguments)]
+    if ranks > 1:
+        command = [shutil.which("mpirun"), "-n", str(ranks), *command]
+    environment = os.environ | MPI_ENVIRONMENT | {"PYTHONPATH": str(ROOT)}
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "stdin": subprocess.DEVNULL}
+    return subprocess.Popen(command, cwd=ROOT, env=environment, **pipes)
+
+
+def stopped(process, victim, number, after):
+    """Exit code and stderr of a process whose ``victim`` gets the signal so many seconds after its first word."""
+    watchdog = threading.Timer(300, process.kill)
+    watchdog.start()
+    try:
+        assert os.read(process.stdout.fileno(), 1)
+        time.sleep(after)
+        try:
+            os.kill(victim(), number)
+        except (ProcessLookupError, IndexError, FileNotFoundError):
+            pass  # it was faster
+        _, said = process.communicate()
+        return process.returncode, said.decode()
+    finally:
+        watchdog.cancel()
+
+
+def ranks_of(pid):
+    """Processes of the ranks under an mpirun."""
+    children = Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
+    return sorted(int(c) for c in children if b"simulations.fretting" in Path(f"/proc/{c}/cmdline").read_bytes())
+
+
+def surface(folder):
+    with h5py.File(folder / "surface.h5") as file:
+        return {name: file[name][...] for name in ("pressure", "traction", "slip")}
+
+
+@pytest.fixture(scope="module")
+def uninterrupted(tmp_path_factory):
+    """Folder of a run that nobody stops, and the seconds from its first word to its end."""
+    folder = tmp_path_factory.mktemp("uninterrupted")
+    process = start(*coarse_arguments(folder, solid__nu=0.3, effects__coupling="false"))
+    os.read(process.stdout.fileno(), 1)
+    begin = time.monotonic()
+    process.communicate()
+    assert process.returncode == 0
+    return folder, time.monotonic() - begin
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_stopped_at_random_moments(ranks, uninterrupted, tmp_path):
+    """Stopped and gone on with, over and over, until it has been stopped MOMENTS times; every run that gets to its end
+    has the numbers of the one that was not stopped.
+    """
+    expected, seconds = uninterrupted
+    chance, stops, runs = random.Random(18 + ranks), 0, 0
+    while stops < MOMENTS:
+        runs += 1
+        folder, code = tmp_path / str(runs), None
+        while code != 0:
+            again = ["--resume", folder] if (folder / "scene.toml").exists() else None
+            again = again or coarse_arguments(folder, solid__nu=0.3, effects__coupling="false")
+            if stops >= MOMENTS:
+                done = run_command(*again, ranks=ranks)
+                assert done.returncode == 0, done.stderr
+                break
+            number = SIGNALS[stops % 3]
+            process = start(*again, ranks=ranks)
+
+            def victim(process=process, number=number):
+                if ranks == 1 or number != signal.SIGKILL:
+                    return process.pid
+                return ranks_of(process.pid)[chance.randrange(ranks)]
+
+            code, said = stopped(process, victim, number, chance.uniform(0.0, seconds))
+            if code != 0:
+                stops += 1
+                check_ending(code, said, number, ranks)
+        mine, theirs = surface(folder), surface(expected)
+        for name, values in theirs.items():
+            assert np.abs(mine[name] - values).max() <= 1e-10 * np.abs(values).max(), name
+        assert json.loads((folder / "summary.json").read_text())["converged"] is True
+        assert {path.name for path in folder.iterdir()} == {path.name for path in expected.iterdir()}
+
+
+def check_ending(code, said, number, ranks):
+    lines = [line for line in said.splitlines() if any(words in line for words in (*LINE, DONE))]
+    assert len(lines) == 1 and "Traceback" not in said, said
+    if ranks == 1:
+        assert said.splitlines() == lines, said
+        assert code == (-number if number == signal.SIGKILL else 128 + number)
+
+
+def test_stopped_while_the_libraries_are_loaded(tmp_path):
+    process = start(*coarse_arguments(tmp_path / "run"), python=("-X", "importtime"))
+    while "petsc4py" not in (line := process.stderr.readline().decode()):
+        assert line
+    process.send_signal(signal.SIGINT)
+    _, said = process.communicate(timeout=60)
+    words = [line for line in said.decode().splitlines() if not line.startswith("import time:")]
+    assert process.returncode == 130 and len(words) == 1 and "nothing was begun" in words[0]
+    assert not (tmp_path / "run").exists()
+
+
+def test_the_exit_code_of_a_batch_system(tmp_path):
+    """A time limit that is near: SIGUSR1."""
+    code, said = stopped(process := start(*coarse_arguments(tmp_path)), lambda: process.pid, signal.SIGUSR1, 0.3)
+    assert code == 128 + signal.SIGUSR1 and "stopped by SIGUSR1; " in said

@@ -1,0 +1,35 @@
+"""Moduli over depth: exact means over layers, and UFL constants in place of their numbers."""
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+from forms.modulus import Coating, PowerLaw, with_parameters
+
+MODULI = [
+    PowerLaw.of(0.0, 2.0),
+    PowerLaw.of(0.4, 2.0),
+    PowerLaw.of(-0.4, 2.0),
+    PowerLaw.of(-0.4, 2.0, 0.5),
+    Coating(3.0, 1.0, 0.5),
+    Coating(3.0, 1.0, 0.5, exponential=True),
+    Coating(2.0, 2.0, 0.5, exponential=True),
+]
+
+
+@pytest.mark.parametrize("modulus", MODULI, ids=str)
+def test_layer_means(modulus):
+    """Layers that begin on the surface, lie in the graded part, reach beyond it, and lie below."""
+    top, bottom = np.array([0.0, 0.1, 0.3, 0.7]), np.array([0.1, 0.3, 0.7, 1.5])
+    exact = [quad(modulus.young, *ends, points=[0.5], epsabs=1e-13, epsrel=1e-12)[0] for ends in zip(top, bottom)]
+    assert modulus.layer_mean(top, bottom) == pytest.approx(exact / (bottom - top), rel=1e-9)
+
+
+@pytest.mark.parametrize("modulus", MODULI, ids=str)
+def test_parameters(modulus):
+    """Every finite number becomes what is made of it; what decides which terms there are stays."""
+    made = with_parameters(modulus, lambda value: -value)
+    for name, value in vars(modulus).items():
+        replaced = name in modulus.parameters and np.isfinite(value)
+        assert getattr(made, name) == (-value if replaced else value), name
+    assert set(modulus.parameters) == set(vars(modulus)) - {"sign", "exponential"}

@@ -1,0 +1,35 @@
+"""Collective operations and the mesh's partition, asked of every rank.
+
+On one rank these are ordinary tests; tests/test_mpi.py runs the folder under mpirun on two and three.
+"""
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from simulations.fem.mesh import create_mesh
+from simulations.fem.parallel import gathered, on_root
+
+comm = MPI.COMM_WORLD
+
+
+def test_each_rank_owns_neighbouring_columns():
+    """From top to bottom, as many as the others: of two ranks each owns one half of the body."""
+    ends = np.linspace(-1.0, 1.0, 4 * comm.size + 1)
+    mesh, facets = create_mesh(comm, ends, np.linspace(0.0, 1.0, 6))
+    assert mesh.topology.index_map(2).size_local == 4 * 5
+    x = mesh.geometry.x[mesh.geometry.dofmap][..., 0]
+    assert [x.min(), x.max()] == [ends[4 * comm.rank], ends[4 * (comm.rank + 1)]]
+    assert len(facets.find(1)) == 4
+
+
+def test_rows_are_gathered_in_the_order_of_ranks():
+    rows = np.full((comm.rank + 1, 2), float(comm.rank))
+    found = gathered(comm, rows)
+    assert found.tolist() == [[float(rank)] * 2 for rank in range(comm.size) for _ in range(rank + 1)]
+
+
+def test_a_failure_of_rank_0_is_raised_everywhere():
+    assert on_root(comm, lambda: comm.rank) == 0
+    with pytest.raises(ZeroDivisionError):
+        on_root(comm, lambda: 1 // 0)

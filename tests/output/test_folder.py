@@ -1,0 +1,203 @@
+"""The folder of a run: never another's work, never the user's files; locked while a run writes into it."""
+
+import json
+import os
+import subprocess
+import sys
+import time
+
+import pytest
+from conftest import MPI_ENVIRONMENT, ROOT, coarse_arguments, run_command
+
+from simulations import fretting
+from simulations.output import lock
+from simulations.output.files import OutputError
+from simulations.output.folder import writable
+from simulations.output.lock import Lock, Locked
+from simulations.runs.checks import Check
+from simulations.scene import SceneError
+
+QUICK = {"load__cycles": 0, "solver__increments": 1, "reference__kind": '"none"'}
+
+
+def arguments(folder, *more, **changes):
+    return [*coarse_arguments(folder, **QUICK | changes), "--quiet", *map(str, more)]
+
+
+def contents(folder):
+    return {path.relative_to(folder): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+def refusal(words):
+    with pytest.raises(SceneError) as error:
+        fretting.main(words)
+    assert "\n" not in str(error.value)
+    return str(error.value)
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("finished")
+    fretting.main(arguments(folder))
+    return folder
+
+
+def test_a_finished_run_is_not_replaced(finished):
+    before = contents(finished)
+    said = refusal(arguments(finished, load__amplitude=0.5))
+    assert "holds a finished run" in said and "--overwrite" in said
+    assert contents(finished) == before
+
+
+def test_two_scenes_of_one_name_do_not_share_a_folder(tmp_path, monkeypatch):
+    """Not silently: the second is refused, in the default folder too."""
+    monkeypatch.chdir(tmp_path)
+    for place in ("one", "two"):
+        (tmp_path / place).mkdir()
+        (tmp_path / place / "scene.toml").write_text("solid.E0 = 1e9\nsolid.nu = 0.3\nindenter.R = 0.1\nload.P = 1e4\n")
+    coarse = ["--set", "solid.k=0.1", "--set", "solid.y0=0.1", "--quiet", "--reference", "none"]
+    fretting.main(["one/scene.toml", *coarse])
+    before = contents(tmp_path / "results" / "scene")
+    assert "results/scene is not allowed: it holds a finished run" in refusal(["two/scene.toml", *coarse])
+    assert contents(tmp_path / "results" / "scene") == before
+
+
+@pytest.mark.parametrize("more", [(), ("--overwrite",)], ids=["", "overwrite"])
+def test_the_users_files_are_never_touched(tmp_path, more):
+    own = "solid.E0 = 1e9\nsolid.nu = 0.3\nsolid.k = 0.1\nsolid.y0 = 0.1\nindenter.R = 0.1\nload.P = 1e4\n"
+    (tmp_path / "scene.toml").write_text(own)
+    (tmp_path / "notes.txt").write_text("mine")
+    assert "is in it" in refusal([str(tmp_path / "scene.toml"), "--output", str(tmp_path), *more])
+    assert "which is not as a run wrote it" in refusal(arguments(tmp_path, *more))
+    assert contents(tmp_path) == {
+        path.relative_to(tmp_path): text.encode()
+        for path, text in ((tmp_path / "scene.toml", own), (tmp_path / "notes.txt", "mine"))
+    }
+    (tmp_path / "scene.toml").rename(tmp_path / "history.csv")
+    assert "holds history.csv, which is not as a run wrote it" in refusal(arguments(tmp_path, *more))
+
+
+def test_a_scene_that_was_edited_after_the_run_is_the_users(finished, tmp_path):
+    folder = tmp_path / "run"
+    fretting.main(arguments(folder))
+    scene = folder / "scene.toml"
+    scene.write_text(scene.read_text().replace("0.3", "0.31"))
+    assert "holds scene.toml, which is not as a run wrote it" in refusal(arguments(folder, "--overwrite"))
+    assert "0.31" in scene.read_text()
+
+
+def test_a_scene_refused_late_leaves_nothing_behind(finished, tmp_path):
+    """The mesh is too coarse for its slip zone: known only once that is made; an earlier run is still there."""
+    too_coarse = {"load__amplitude": 0.01}
+    assert "too coarse" in refusal(arguments(tmp_path / "a" / "b", **too_coarse))
+    assert list(tmp_path.iterdir()) == []
+    before = contents(finished)
+    assert "too coarse" in refusal(arguments(finished, "--overwrite", **too_coarse))
+    assert contents(finished) == before
+
+
+# --- the lock -------------------------------------------------------------------------------------------------
+
+
+def owner(folder, **changes):
+    """A lock file as another process would have left it."""
+    text = {"host": "elsewhere", "pid": 12, "started": "2025-01-01 00:00:00", "boot": "another"} | changes
+    (folder / lock.NAME).write_text(json.dumps(text))
+
+
+def test_of_two_at_once_one_is_refused(tmp_path):
+    command = [sys.executable, "-m", "simulations.fretting", *arguments(tmp_path / "run")]
+    environment = os.environ | MPI_ENVIRONMENT | {"PYTHONPATH": str(ROOT)}
+    runs = [subprocess.Popen(command, cwd=ROOT, env=environment, stderr=subprocess.PIPE, text=True) for _ in range(3)]
+    said = [run.communicate(timeout=300)[1] for run in runs]
+    codes = [run.returncode for run in runs]
+    assert sorted(codes) == [0, 2, 2]
+    for code, line in zip(codes, said):
+        assert code == 0 or (line.count("\n") == 1 and ("is locked" in line or "holds a" in line)), line
+    assert json.loads((tmp_path / "run" / "summary.json").read_text())["converged"] is True
+
+
+def test_a_lock_ends_with_its_owner(tmp_path):
+    hold = "import time; from pathlib import Path; from simulations.output.lock import Lock; "
+    hold += f"Lock(Path({str(tmp_path)!r}))"
+    process = subprocess.Popen(
+        [sys.executable, "-c", hold + "; print(1, flush=True); time.sleep(60)"],
+        stdout=subprocess.PIPE,
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+    )
+    process.stdout.readline()
+    with pytest.raises(Locked, match=f"process {process.pid} on "):
+        Lock(tmp_path)
+    process.kill()
+    process.wait()
+    assert (tmp_path / lock.NAME).exists()
+    Lock(tmp_path).release()
+    assert not (tmp_path / lock.NAME).exists()
+
+
+def test_a_lock_of_another_machine_lives_as_long_as_it_is_touched(tmp_path):
+    owner(tmp_path)
+    with pytest.raises(Locked, match="process 12 on elsewhere"):
+        Lock(tmp_path)
+    long_ago = time.time() - lock.SILENT - 1
+    os.utime(tmp_path / lock.NAME, (long_ago, long_ago))
+    Lock(tmp_path).release()
+
+
+def test_a_lock_is_touched_while_it_is_held(tmp_path, monkeypatch):
+    monkeypatch.setattr(lock, "BEAT", 0.05)
+    held = Lock(tmp_path)
+    os.utime(tmp_path / lock.NAME, (0, 0))
+    time.sleep(0.5)
+    assert time.time() - (tmp_path / lock.NAME).stat().st_mtime < 10
+    held.release()
+
+
+# --- what cannot be written, and what does not hold -------------------------------------------------------------
+
+
+@pytest.mark.parametrize("ranks", [1, 3])
+def test_a_folder_that_cannot_be_made(tmp_path, ranks):
+    (tmp_path / "file").write_text("")
+    done = run_command(*arguments(tmp_path / "file" / "run"), ranks=ranks)
+    assert done.returncode == 2 and done.stdout == ""
+    assert done.stderr.count("\n") == 1 and "cannot be written: Not a directory" in done.stderr
+
+
+def test_a_read_only_file_system():
+    with pytest.raises(SceneError, match="--output /proc/run cannot be written"):
+        writable(ROOT.__class__("/proc/run"))
+
+
+def test_a_folder_that_disappears(tmp_path, monkeypatch):
+    folder = tmp_path / "run"
+
+    def vanish(progress, entry):
+        folder.rename(tmp_path / "moved") if folder.exists() else None
+
+    monkeypatch.setattr("simulations.command.progress.Progress.step", vanish)
+    with pytest.raises(OutputError, match="cannot be written: No such file or directory: the folder is gone") as error:
+        fretting.main(arguments(folder))
+    assert "\n" not in str(error.value) and not folder.exists()
+    monkeypatch.undo()
+    (tmp_path / "moved" / lock.NAME).unlink(missing_ok=True)
+    fretting.main(["--resume", str(tmp_path / "moved"), "--quiet"])
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_checks_that_fail_are_a_failure(tmp_path, ranks):
+    """An exit code of its own, said under --quiet too; the results are there, and their summary says so."""
+    code = "import simulations.runs.checks as c; c.OPEN = -1.0; from simulations.command.command import run; "
+    code += f"import sys; sys.argv = ['x', *{arguments(tmp_path / 'run')!r}]; "
+    code += "from simulations.fretting import main; run(main)"
+    words = [sys.executable, "-c", code]
+    if ranks > 1:
+        words = ["mpirun", "-n", str(ranks), *words]
+    environment = os.environ | MPI_ENVIRONMENT | {"PYTHONPATH": str(ROOT)}
+    done = subprocess.run(words, cwd=ROOT, env=environment, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 4 and done.stdout == ""
+    assert done.stderr.startswith("checks that fail: gap >= 0") and done.stderr.count("\n") == 1
+    summary = json.loads((tmp_path / "run" / "summary.json").read_text())
+    assert summary["converged"] is True and summary["checks_hold"] is False
+    assert summary["checks"]["gap >= 0"]["holds"] is False
+    assert Check(**{k: v for k, v in summary["checks"]["residual"].items() if k != "holds"}).holds

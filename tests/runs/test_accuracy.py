@@ -1,0 +1,141 @@
+"""Accuracy by one number: the settings, what is refused, and that it holds for scenes that were not used to
+calibrate.
+"""
+
+import json
+
+import numpy as np
+import pytest
+from conftest import run_command
+from mpi4py import MPI
+from solving import deviations
+
+from simulations.runs import estimate
+from simulations.runs.simulation import Simulation
+from simulations.scene import DEFAULT_SCENE, SceneError, accuracy, parse
+from simulations.studies.costs.cases import PROBLEMS, TABLE, cases
+from simulations.studies.costs.model import COARSE
+
+
+def simulated(scene) -> Simulation:
+    return Simulation(MPI.COMM_SELF, scene).run_to_end()
+
+
+def scene_with(sets, text=DEFAULT_SCENE):
+    return parse(text, tuple(f"{key}={value}" for key, value in sets.items()))
+
+
+def elsewhere(wanted, k, nu, mu, amplitude):
+    sets = {"solid.k": k, "solid.nu": nu, "effects.coupling": "false", "load.mu": mu, "load.amplitude": amplitude}
+    return scene_with(sets | {"solver.accuracy": wanted})
+
+
+@pytest.mark.parametrize("wanted", [1e-2, 1e-3, 1e-4])
+@pytest.mark.parametrize(
+    "problem",
+    [(0.2, 0.25, 0.5, 0.5), (0.5, 0.2, 0.2, 0.7), (0.8, 0.3, 0.6, 0.3)],
+    ids=lambda problem: f"k={problem[0]}",
+)
+def test_holds_for_scenes_that_were_not_used_to_calibrate(problem, wanted):
+    errors = deviations(simulated(elsewhere(wanted, *problem)))
+    assert max(map(abs, errors.values())) <= wanted, errors
+
+
+@pytest.mark.parametrize("k", [-0.4, -0.1])
+def test_holds_below_zero(k):
+    errors = deviations(simulated(elsewhere(1e-3, k, 0.3, 0.4, 0.6)))
+    assert max(map(abs, errors.values())) <= 1e-3, errors
+
+
+def test_steep_ends_are_cut_in_the_middle_of_a_facet():
+    """For k < 0 the place of an edge in its facet is worth more than the size of that: on purpose against by chance."""
+    sets = accuracy.family(2.0, -0.5) | {"solid.k": -0.5, "solid.nu": 0.3, "effects.coupling": "false"}
+    placed = deviations(simulated(scene_with(sets)))
+    del sets["mesh.edge_at"]
+    chance = deviations(simulated(scene_with(sets)))
+    assert abs(placed["pressure_l2"]) < 2e-4 < 3e-4 < abs(chance["pressure_l2"])
+    assert abs(placed["traction_l2"]) < 0.3 * abs(chance["traction_l2"])
+
+
+@pytest.mark.slow
+def test_five_digits():
+    errors = deviations(simulated(parse(DEFAULT_SCENE, ("solver.accuracy=1e-5",))))
+    assert max(map(abs, errors.values())) <= 1e-5, errors
+
+
+def test_finer_is_asked_for_where_more_is_wanted():
+    for k in (-0.3, 0.0, 0.15, 0.3, 0.8):
+        found = [accuracy.choose(wanted, k) for wanted in (1e-2, 1e-3)]
+        assert found[0].fineness >= found[1].fineness
+        errors = [choice.error for choice in accuracy.expected(k)]
+        assert errors == sorted(errors), "the error expected falls with the fineness"
+
+
+def test_what_cannot_be_reached_is_refused_with_the_best_that_can():
+    best = min(choice.error for choice in accuracy.expected(0.3))
+    with pytest.raises(SceneError, match=f"the best measured for k = 0.3 is {best:.1e}"):
+        parse(DEFAULT_SCENE, ("solver.accuracy=1e-12",))
+    with pytest.raises(SceneError, match="lies outside"):
+        elsewhere(1e-3, -0.8, 0.3, 0.3, 0.9)
+
+
+def test_cell_sizes_are_not_given_twice():
+    with pytest.raises(SceneError, match="not allowed beside solver.accuracy"):
+        parse(DEFAULT_SCENE, ("solver.accuracy=1e-3", "mesh.facet=0.123"))
+    scene = parse(DEFAULT_SCENE, ("solver.accuracy=1e-3",))
+    assert parse(scene.to_toml()) == scene
+
+
+def test_the_table_covers_the_study():
+    """Every line is one of the study's, so that the table can be made again."""
+    studied = {(case.k, float(case.level)) for case in cases() if case.study == "fineness"}
+    assert {(line.k, line.fineness) for line in accuracy.table()} <= studied
+    assert {line.k for line in accuracy.table()} == {case.k for case in cases() if case.problem in PROBLEMS | TABLE}
+
+
+def test_nothing_of_the_study_is_refused(monkeypatch):
+    """Neither the meshes that were measured, which --accuracy takes, nor the coarse ones that compile their forms."""
+
+    class Accepted(Exception):
+        """The mesh would be made now."""
+
+    def accept(*_):
+        raise Accepted
+
+    monkeypatch.setattr("simulations.runs.simulation.half_plane", accept)
+    for case in cases(with_getfem=False):
+        for sets in (case.sets, case.sets | COARSE):
+            with pytest.raises(Accepted):
+                Simulation(MPI.COMM_SELF, scene_with(sets, case.text))
+
+
+def test_estimate_is_no_smaller_than_the_error_and_not_much_larger():
+    """Where there is a closed form the estimate of two meshes can be judged."""
+    scene = parse(DEFAULT_SCENE, ("solver.accuracy=1e-3",))
+    fine = simulated(scene)
+    other, ratio = estimate.coarser(MPI.COMM_SELF, scene)
+    estimated = max(estimate.estimated(fine, other.run_to_end(), ratio).values())
+    error = max(map(abs, deviations(fine).values()))
+    assert error < estimated < 30 * error
+
+
+def test_command_says_expected_and_found(tmp_path):
+    done = run_command("--accuracy", "1e-2", "--output", tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "expected error" in done.stdout and "within 0.01" in done.stdout
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert summary["accuracy"]["largest_error"] == pytest.approx(max(map(abs, summary["errors"].values())))
+    assert not summary["accuracy"]["is_estimate"]
+
+
+@pytest.mark.parametrize("nu", ["0.4", '"holl"'])
+def test_command_estimates_where_there_is_no_reference(tmp_path, nu):
+    """Coupled, and where the closed form is not wanted."""
+    scene = tmp_path / "coupled.toml"
+    scene.write_text(DEFAULT_SCENE.replace('"holl"', nu).replace("cycles = 1", "cycles = 0"))
+    done = run_command(scene, "--accuracy", "1e-2", "--set", "reference.kind=none", "--output", tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    assert "estimated, not measured" in done.stdout
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert summary["accuracy"]["is_estimate"]
+    assert np.isfinite(summary["accuracy"]["largest_error"])

@@ -1,0 +1,65 @@
+"""Graded coatings on a homogeneous substrate, against the half-plane solver with the kernel of the same coating."""
+
+import pytest
+from solving import solved
+
+from simulations.runs import reference
+from simulations.runs.comparison import compare
+
+SCENE = """
+[solid]
+modulus = "{modulus}"
+E0 = 210e9
+nu = 0.3
+{more}
+thickness_over_a0 = {thickness}
+[indenter]
+R = 0.1
+[load]
+P = 1.0e6
+mu = 0.3
+amplitude = 0.9
+"""
+MEDIUM = {
+    "mesh__facet": 0.04,
+    "mesh__edge_facet": 2e-3,
+    "mesh__growth": 1.35,
+    "mesh__first_layer": 1e-3,
+    "mesh__layer_growth": 1.4,
+    "solver__increments": 3,
+}
+POWER_LAW = "k = 0.3\ny0_over_a0 = 10.0"
+COATINGS = {
+    "power-law coating": (POWER_LAW, 2.0),
+    "linear": ("E_substrate = 70e9", 1.0),
+    "exponential": ("E_substrate = 400e9", 0.5),
+}
+
+
+@pytest.mark.parametrize("modulus", COATINGS)
+@pytest.mark.parametrize("coupling", ["true", "false"])
+def test_coated_half_planes_match_the_half_plane_solver(modulus, coupling):
+    more, thickness = COATINGS[modulus]
+    simulation = solved(
+        SCENE.format(modulus=modulus, more=more, thickness=thickness), **MEDIUM, effects__coupling=coupling
+    )
+    found = compare(simulation.history, reference.HalfPlane(simulation))
+    for name, limit in {"pressure_l2": 2e-3, "traction_l2": 7e-3, "a": 5e-4, "dissipated_energy": 2e-3}.items():
+        assert abs(found[name]) < limit, (name, found[name])
+
+
+def test_a_thick_coating_is_the_power_law():
+    """What a coating leaves out of the power law falls with its thickness."""
+    whole = solved(**MEDIUM, solid__nu=0.3, load__cycles=0, effects__coupling="false")
+    off = []
+    for thickness in (2.0, 20.0):
+        coated = solved(
+            SCENE.format(modulus="power-law coating", more=POWER_LAW, thickness=thickness),
+            **MEDIUM,
+            load__cycles=0,
+            effects__coupling="false",
+        )
+        widths = [s.history.entries[-1].a * s.scaled.scales.length for s in (whole, coated)]
+        off.append(abs(widths[1] / widths[0] - 1))
+    assert off[0] > 1e-2
+    assert off[1] < off[0] / 4

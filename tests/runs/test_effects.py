@@ -1,0 +1,221 @@
+"""Only the effects that a scene calls for: what is on, what is off leaves no trace, and each against its reference."""
+
+import csv
+
+import h5py
+import numpy as np
+import pytest
+from conftest import ROOT, coarse_arguments, run_command
+from mpi4py import MPI
+from solving import coarse_simulation, deviations, limit_stepping, of_the_closed_form, solved
+
+from analytic.half_plane.linear import ContactNotConverged
+from simulations.fem.body import X, Y
+from simulations.indentation import DEFAULT_SCENE as INDENTATION
+from simulations.loading.stepping import SolveError
+from simulations.runs import mesh_free, reference
+from simulations.runs.comparison import compare, compare_state
+from simulations.runs.mesh_free import MeshFree
+from simulations.runs.simulation import Simulation
+from simulations.scene import DEFAULT_SCENE, SceneError, parse
+
+FINE = {
+    "mesh__facet": 0.0125,
+    "mesh__edge_facet": 3e-4,
+    "mesh__growth": 1.2,
+    "mesh__first_layer": 1e-3,
+    "mesh__layer_growth": 1.25,
+    "solver__increments": 1,
+}
+UNCOUPLED = {"effects__coupling": "false", "solid__nu": 0.3}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "k, limit",
+    [(0.0, 1e-4), (0.2, 1e-4), (0.5, 1e-4), (0.7, 1e-4), (0.9, 1e-4), (-0.1, 1e-3), (-0.3, 1e-3), (-0.5, 3e-3)],
+)
+def test_uncoupled_loops_match_the_closed_forms(k, limit):
+    for name, deviation in deviations(solved(**(FINE | UNCOUPLED), solid__k=k)).items():
+        assert abs(deviation) < limit, name
+
+
+@pytest.mark.parametrize("k", [0.0, 0.3, 0.9, -0.5])
+def test_uncoupled_loops_on_a_coarse_mesh(k):
+    for name, deviation in deviations(solved(**UNCOUPLED, solid__k=k)).items():
+        assert abs(deviation) < (1e-2 if k >= 0 else 3e-2), name
+
+
+def test_at_the_holl_ratio_coupling_changes_nothing():
+    on, off = solved(), solved(effects__coupling="false")
+    for one, other in zip(on.history.entries, off.history.entries, strict=True):
+        scale = one.surface.pressure.max()
+        assert one.surface.traction == pytest.approx(other.surface.traction, abs=5e-3 * scale)
+    assert on.history.dissipated_energy == pytest.approx(off.history.dissipated_energy, rel=2e-4)
+
+
+def test_without_coupling_the_pressure_of_the_normal_stage_stays():
+    entries = solved(**UNCOUPLED).history.entries
+    for entry in entries[1:]:
+        assert entry.surface.pressure == pytest.approx(entries[0].surface.pressure, rel=1e-12, abs=1e-15)
+
+
+def test_half_a_domain_gives_the_whole_contact():
+    whole = next(coarse_simulation(solid__nu=0.3).run()).surface
+    half_simulation = coarse_simulation(INDENTATION)
+    half = next(half_simulation.run()).surface
+    assert half_simulation.body.is_half
+    assert half.line_load(half.pressure) == pytest.approx(half_simulation.contact.P, rel=1e-8)
+    # the whole mesh is also graded to the stick edges: compare where both are fine
+    inside = np.abs(half.x) < 0.9
+    pressure = np.interp(half.x[inside], whole.x, whole.pressure)
+    assert half.pressure[inside] == pytest.approx(pressure, abs=1e-2 * whole.pressure.max())
+    assert half.u[X] == pytest.approx(-half.u[X][::-1], abs=1e-12)
+
+
+def test_frictionless_scene_leaves_no_trace_of_friction(tmp_path):
+    simulation = coarse_simulation(INDENTATION)
+    problem = simulation.solver.problem
+    assert simulation.solver.frictional is None
+    assert problem.directions == (Y,) and problem.memory is None and problem.safeguards is None
+    done = run_command(*coarse_arguments(tmp_path, **{}), module="simulations.indentation")
+    assert done.returncode == 0, done.stderr
+    with h5py.File(tmp_path / "surface.h5") as file:
+        assert not {"traction", "slip", "Q"} & set(file)
+    with open(tmp_path / "history.csv", newline="") as file:
+        columns = csv.DictReader(file).fieldnames
+    assert not [name for name in columns if name.startswith(("Q", "delta_x", "c[", "dissipated"))]
+
+
+def test_explain_names_every_effect_and_writes_nothing(tmp_path):
+    done = run_command("--explain", "--output", tmp_path / "results")
+    assert done.returncode == 0
+    names = ("grading", "friction", "symmetry", "coupling", "friction in normal stage", "incompressibility")
+    for name in (*names, "load schedule", "indenter profile", "unknowns"):
+        assert name in done.stdout
+    assert not (tmp_path / "results").exists()
+
+
+# Measured differences of the coupled from the uncoupled problem, by finite elements and boundary elements that share no
+# code with these: pressure, traction, energy.
+@pytest.mark.parametrize(
+    "k, nu, pressure, traction, energy",
+    [(0.3, 0.3, 0.073, 0.085, -0.054), (0.0, 0.3, 0.11, 0.14, -0.125), (-0.5, 0.3, 0.20, 0.26, -0.275)],
+)
+def test_coupling_is_as_large_as_independent_solvers_find(k, nu, pressure, traction, energy):
+    mesh = {"mesh__facet": 0.05, "mesh__edge_facet": 0.01, "mesh__first_layer": 0.01}
+    found = deviations(solved(**mesh, solid__k=k, solid__nu=nu, solver__increments=4))
+    assert found["pressure_l2"] == pytest.approx(pressure, abs=0.006)
+    assert found["traction_l2"] == pytest.approx(traction, abs=0.006)
+    assert found["dissipated_energy"] == pytest.approx(energy, abs=0.006)
+
+
+@pytest.mark.parametrize("k, nu, friction_first", [(0.3, 0.3, False), (0.0, 0.3, False), (0.3, 0.3, True)])
+def test_coupled_loops_match_the_half_plane_solver(k, nu, friction_first):
+    """No mesh, weak form or truncation is shared."""
+    simulation = solved(
+        solid__k=k,
+        solid__nu=nu,
+        effects__friction_in_normal_stage=str(friction_first).lower(),
+        mesh__facet=0.025,
+        mesh__edge_facet=5e-3,
+        mesh__layer_growth=1.4,
+        mesh__first_layer=1e-3,
+        solver__increments=6,  # each sums its dissipation over increments in its own way
+    )
+    found = compare(simulation.history, MeshFree(simulation))
+    for name, limit in {"pressure_l2": 2e-3, "traction_l2": 3e-3, "a": 1e-3, "dissipated_energy": 2e-3}.items():
+        assert abs(found[name]) < limit, (name, found[name])
+
+
+def test_half_plane_solver_is_tried_with_fewer_nodes(monkeypatch):
+    """What it ended with is said; where it fails with all, so is why it did with the most."""
+    simulation = coarse_simulation(solid__nu=0.3, load__cycles=0, solver__increments=1)
+    solver, most, least = mesh_free.half_plane_solver, mesh_free.NODES[0], mesh_free.NODES[-1]
+
+    def failing_above(limit):
+        def choose(scene, scaled, effects, nodes):
+            if nodes > limit:
+                raise ContactNotConverged(f"with {nodes} nodes")
+            return solver(scene, scaled, effects, nodes)
+
+        return choose
+
+    monkeypatch.setattr(mesh_free, "half_plane_solver", failing_above(least))
+    assert f"of {least} nodes" in reference.describe(MeshFree(simulation), simulation)
+    monkeypatch.setattr(mesh_free, "half_plane_solver", failing_above(0))
+    with pytest.raises(reference.NoReference, match=f"with {most} nodes"):
+        MeshFree(simulation)
+
+
+def worst_of_states(*settings) -> dict[str, float]:
+    """Largest errors of a coupled loop at the first +Q_A and at A to E of its cycles."""
+    simulation = Simulation(MPI.COMM_SELF, parse(DEFAULT_SCENE, settings)).run_to_end()
+    other = MeshFree(simulation)
+    states = [compare_state(entry, other) for entry in simulation.history.entries if entry.increment.state]
+    assert len(states) == 1 + 5 * simulation.scene.load.cycles
+    return {name: max(state[name] for state in states) for name in ("pressure_l2", "traction_l2")}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("mu", [0.3, 0.6])
+@pytest.mark.parametrize("k, nu", [(0.3, 0.3), (0.0, 0.3), (-0.1, 0.495)])
+def test_coupled_loop_is_accurate_at_every_state(k, nu, mu):
+    """The paper's pairs on the default mesh, graded to the edges of all states."""
+    cycles = 2 if (k, mu) == (0.3, 0.3) else 1
+    settings = f"solid.k={k}", f"solid.nu={nu}", f"load.mu={mu}", f"load.cycles={cycles}", "mesh.edges=states"
+    worst = worst_of_states(*settings)
+    assert worst["pressure_l2"] < 5e-4 and worst["traction_l2"] < 1e-3
+
+
+@pytest.mark.slow
+def test_what_a_mesh_graded_to_every_state_gains():
+    fine, usual = (worst_of_states("solid.nu=0.3", f"mesh.edges={edges}") for edges in ("states", "turns"))
+    assert fine["traction_l2"] < usual["traction_l2"] / 3
+
+
+def test_friction_in_the_normal_stage_starts_with_locked_in_traction():
+    """Pressed on with friction away from the Holl ratio, a self-equilibrated traction is there before Q is."""
+    simulation = coarse_simulation(solid__nu=0.3, effects__friction_in_normal_stage="true", solver__normal_increments=8)
+    for entry in simulation.run():
+        if entry.increment.branch != "normal":
+            break
+        pressed = entry.surface
+    mu = simulation.mu
+    assert np.abs(pressed.traction).max() > 0.05 * mu * pressed.pressure.max()
+    assert pressed.line_load(pressed.traction) == pytest.approx(0.0, abs=1e-8)
+    # self-similar up to the mesh: antisymmetric, and towards the middle, where the pressure drags the surface to
+    assert pressed.traction == pytest.approx(-pressed.traction[::-1], abs=2e-2 * mu * pressed.pressure.max())
+
+
+def test_a_coupled_loop_needs_the_guard_against_turning_round(monkeypatch):
+    """Strong coupling makes Newton cycle between sliding either way: with the guard no increment is halved."""
+    hard = {
+        "solid__k": -0.5,
+        "solid__nu": 0.3,
+        "mesh__facet": 0.05,
+        "mesh__edge_facet": 4e-3,
+        "mesh__first_layer": 4e-3,
+    }
+    hard |= {"mesh__growth": 1.5, "mesh__layer_growth": 1.5, "solver__increments": 6}
+    monkeypatch.setattr("simulations.runs.plan.expected_edges", of_the_closed_form)
+    limit_stepping(monkeypatch, halvings=0)
+    solved(**hard)
+    limit_stepping(monkeypatch, halvings=0, fallbacks=("Newton", "fixed point"))
+    with pytest.raises(SolveError, match="Newton cycles"):
+        solved(**hard)
+
+
+def test_friction_follows_from_the_scene():
+    assert parse(INDENTATION).effects.friction is False
+    with pytest.raises(SceneError, match="load.mu is missing"):
+        parse(INDENTATION, ("load.amplitude=0.5",))
+    with pytest.raises(SceneError, match="friction_in_normal_stage"):
+        parse((ROOT / "scenes" / "uncoupled.toml").read_text(), ("effects.friction_in_normal_stage=true",))
+
+
+@pytest.mark.parametrize("scene", sorted(path.name for path in (ROOT / "scenes").glob("*.toml")))
+def test_ready_scenes_run(scene, tmp_path):
+    done = run_command(ROOT / "scenes" / scene, *coarse_arguments(tmp_path))
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "summary.json").exists()

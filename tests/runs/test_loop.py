@@ -1,0 +1,197 @@
+"""Properties of a solved loop that need no fine mesh."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from solving import coarse_simulation, deviations, solved
+
+from analytic import CylinderContact
+from simulations.fem.mesh import Grading, columns
+from simulations.runs.comparison import relative_l2
+from simulations.scene import DEFAULT_SCENE, parse
+from simulations.scene.scaling import Scales
+
+
+@pytest.fixture(scope="module")
+def condensed():
+    return solved()
+
+
+def test_both_methods_give_the_same_loop(condensed):
+    full = solved(solver__method="full")
+    for one, other in zip(condensed.history.entries, full.history.entries, strict=True):
+        scale = one.surface.pressure.max()
+        assert one.surface.pressure == pytest.approx(other.surface.pressure, abs=1e-7 * scale)
+        assert one.surface.traction == pytest.approx(other.surface.traction, abs=1e-7 * scale)
+        assert one.slip == pytest.approx(other.slip, abs=1e-8)
+    assert condensed.history.dissipated_energy == pytest.approx(full.history.dissipated_energy, rel=1e-7)
+
+
+def test_fields_are_in_equilibrium_after_condensation(condensed):
+    """The recovered displacement field satisfies the full problem, whose residual the condensed solve never formed."""
+    problem = condensed.solver.problem
+    force, imbalance = problem.residual(condensed.schedule[-1].load)
+    P = condensed.schedule[-1].P
+    assert force.norm() < 1e-8 * P
+    assert np.abs(imbalance).max() < 1e-8 * P
+
+
+def test_loads_balance(condensed):
+    for entry in condensed.history.entries:
+        surface, increment = entry.surface, entry.increment
+        assert surface.line_load(surface.pressure) == pytest.approx(increment.P, rel=1e-8)
+        assert surface.line_load(surface.traction) == pytest.approx(increment.Q, rel=1e-8, abs=1e-8 * increment.P)
+
+
+def test_contact_conditions_hold(condensed):
+    mu = condensed.scene.load.mu
+    for entry in condensed.history.entries:
+        surface = entry.surface
+        gap = condensed.scaled.indenter.height(surface.x) + surface.u[1] - surface.delta[1]
+        assert surface.pressure.min() >= 0
+        assert gap[surface.pressure == 0].min() > 0
+        # the discrete gap under pressure is the method's consistency error over gamma, not zero
+        assert np.abs(gap[surface.pressure > 0]).max() < 2e-3
+        assert np.all(np.abs(surface.traction) <= mu * surface.pressure * (1 + 1e-9))
+
+
+def test_slip_opposes_traction_and_stick_does_not_move(condensed):
+    history = condensed.history
+    for before, entry in zip(history.entries[1:], history.entries[2:]):
+        moved = entry.slip - before.slip
+        assert np.all(entry.surface.weight * entry.surface.traction * moved <= 1e-6 * abs(moved).max())
+        stuck = np.abs(entry.surface.x) < 0.9 * entry.c
+        assert np.abs(moved[stuck]).max() < 1e-4 * np.abs(moved).max()
+
+
+@pytest.mark.parametrize("method", ["condensed", "full"])
+def test_a_state_out_of_balance_is_not_accepted(method):
+    """Moving two mirror nodes leaves the resultants as they are: only the forces node by node tell."""
+    simulation = coarse_simulation(solver__method=method)
+    entry = next(simulation.run())
+    load, body = entry.increment.load, simulation.body
+    newton, problem = simulation.solver._newton, simulation.solver.problem
+    assert newton.balance(load).converged
+    nodes = simulation.sampler._nodes
+    x = body.displacements.tabulate_dof_coordinates()[nodes, 0]
+    body.complete()
+    u = body.state.x.array.copy()
+    body.state.x.array[2 * nodes[np.argmin(abs(x - 0.5))] + 1] += 2e-4
+    body.state.x.array[2 * nodes[np.argmin(abs(x + 0.5))] + 1] -= 2e-4
+    assert problem.residual(load)[0].norm() > 1e-4 * load.P
+    assert not newton.balance(load).converged
+    result = newton.solve(load)
+    assert result.converged and result.iterations > 0
+    assert problem.residual(load)[0].norm() < 1e-7 * load.P
+    body.complete()
+    assert body.state.x.array == pytest.approx(u, abs=1e-7)
+
+
+def test_repeated_increment_changes_nothing():
+    simulation = coarse_simulation()
+    states = simulation.run()
+    for _ in range(3):
+        entry = next(states)
+    solver = simulation.solver
+    u = simulation.body.state.x.array.copy()
+    result = solver._newton.solve(entry.increment.load)
+    assert result.converged and result.iterations <= 1
+    assert simulation.body.state.x.array == pytest.approx(u, abs=1e-8)
+
+
+@pytest.mark.parametrize("factor", [1e-6, 1e6])
+def test_units(condensed, factor):
+    """Lengths and stresses in other units give the same numbers in those units."""
+    length, stress = factor, 1 / factor**1.5
+    values = condensed.scene.to_keys()
+    text = f"""
+        [solid]
+        E0 = {values["solid.E0"] * stress!r}
+        k = 0.3
+        nu = "holl"
+        y0 = {values["solid.y0"] * length!r}
+        [indenter]
+        R = {values["indenter.R"] * length!r}
+        [load]
+        P = {values["load.P"] * stress * length!r}
+        mu = 0.3
+        amplitude = 0.9
+    """
+    other = solved(text)
+    mine, theirs = condensed.history.entries[-1], other.history.entries[-1]
+    units, others = Scales.of(condensed.scene), Scales.of(other.scene)
+    assert others.stress * theirs.surface.pressure == pytest.approx(
+        units.stress * stress * mine.surface.pressure, rel=1e-7, abs=1e-7 * units.stress * stress
+    )
+    assert others.displacement * theirs.slip == pytest.approx(
+        units.displacement * length * mine.slip, rel=1e-7, abs=1e-9 * units.displacement * length
+    )
+    energy = units.energy * stress * length**2 * condensed.history.dissipated_energy
+    assert others.energy * other.history.dissipated_energy == pytest.approx(energy, rel=1e-8)
+
+
+@pytest.mark.parametrize("at", [0.0, 0.3, 0.5])
+def test_edges_are_placed_in_their_facets(at):
+    """On a symmetric mesh, both edges on both sides; an edge too close to another stays where it falls."""
+    grading = Grading((-1.0, -0.999, -0.3, 0.3, 0.999, 1.0), edge_at=at)
+    x = columns(grading)
+    assert x == pytest.approx(-x[::-1], abs=1e-11)
+    for edge in (0.3, 1.0):
+        last = np.searchsorted(x, edge * (1 - 1e-12)) - 1
+        place = (edge - x[last]) / (x[last + 1] - x[last])
+        assert place % 1.0 == pytest.approx(at, abs=0.02) or (at == 0.0 and place == pytest.approx(1.0))
+    assert len(x) == len(columns(replace(grading, edge_at=-1.0)))
+
+
+def test_edges_are_read_off_the_solution():
+    """Refinement put 4 % off the edges, to either side: the edges found stay where they are."""
+    for shift in (-0.04, 0.04):
+        loop = coarse_simulation().loop
+        edges = [sign * (position + shift) for sign in (-1, 1) for position in (loop.a, loop.c)]
+        cells = Grading(tuple(edges), facet=0.02, edge_facet=2e-3, first_layer=5e-3, layer_growth=1.4)
+        deviation = deviations(solved(cells=cells))
+        assert abs(deviation["a"]) < 1e-3
+        assert abs(deviation["c"]) < 2e-3
+
+
+def test_pressure_converges_with_second_order():
+    """Halving the facets (and the grading with them) divides the nodal pressure error by about four."""
+    errors = []
+    for facet, growth in ((0.1, 2.0), (0.05, 2.0**0.5), (0.025, 2.0**0.25)):
+        simulation = coarse_simulation(
+            mesh__facet=facet, mesh__growth=growth, mesh__edge_facet=1e-3, mesh__layer_growth=1.25
+        )
+        entry = next(simulation.run())
+        exact = simulation.loop.contact.pressure(entry.surface.x)
+        errors.append(relative_l2(entry.surface.weight, entry.surface.pressure, exact))
+    rates = np.log2(np.array(errors[:-1]) / errors[1:])
+    assert rates == pytest.approx(2.0, abs=0.5), f"errors {errors}"
+
+
+def test_domain_of_20_a_is_large_enough():
+    """With the far field prescribed the truncation error falls like extent^-3.3; at 20 a it is about 1e-6."""
+    fine = {"mesh__facet": 0.05, "mesh__growth": 1.2, "mesh__edge_facet": 1e-3, "mesh__layer_growth": 1.2}
+    energy = {
+        extent: solved(**fine, mesh__extent=extent, solver__increments=1).history.dissipated_energy
+        for extent in (5.0, 10.0, 20.0, 40.0)
+    }
+    difference = {extent: abs(energy[extent] / energy[40.0] - 1) for extent in (5.0, 10.0, 20.0)}
+    assert difference[20.0] < 3e-6
+    assert difference[10.0] < difference[5.0] / 5
+    assert difference[20.0] < difference[10.0] / 5
+
+
+def test_indentation_matches_closed_form(condensed):
+    """(46): with the far field of the load prescribed, even the absolute displacement is right."""
+    indentation = condensed.history.entries[-1].surface.delta[1]
+    assert indentation == pytest.approx(condensed.loop.contact.indentation, rel=1e-3)
+
+
+def test_scales_reproduce_the_closed_form_in_si():
+    scene = parse(DEFAULT_SCENE)
+    scales, contact = Scales.of(scene), scene.contact
+    scaled = coarse_simulation().loop.contact
+    assert isinstance(contact, CylinderContact)
+    assert scaled.a == pytest.approx(1.0, rel=1e-12)
+    assert contact.pressure(0.0) == pytest.approx(scaled.pressure(0.0) * scales.stress, rel=1e-12)
