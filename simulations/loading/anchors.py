@@ -108,17 +108,26 @@ class EnteringPoints:
         moved = np.abs(new - self._before.s)[counts].max(initial=0.0)
         return float(np.abs(new - old)[counts].max() / moved) if moved else 0.0
 
+    def ratios(self) -> np.ndarray:
+        """r at the left and the right edge (2,): where the next step starts from."""
+        return np.array([self._ratios[side].value for side in SIDES])
+
+    def take_up(self, ratios: np.ndarray):
+        """Go on from an earlier run's ``ratios``."""
+        self._ratios = {side: Ratio(float(r)) for side, r in zip(SIDES, ratios)}
+
     def end(self):
-        """After the points have come to rest: let open ones beside an edge follow those further out by r."""
+        """After the points have come to rest: let open ones beside an edge follow those next to them by r."""
         before, after = self._before, self._after
         (anchors,) = self._gathered(self._problem.memory.anchors())
         for side in SIDES:
-            beyond = open_points(after.states, side)[: self._beside]
-            closer = (before.states[beyond] == OPEN) & (after.clearance[beyond] < before.clearance[beyond])
-            if self._ratios[side].is_measured:
-                i = beyond[closer]
-                closed = before.clearance[i] - after.clearance[i]
-                anchors[i] = before.s[i] + self._ratios[side].value * closed
+            beyond = open_points(after.states, side)
+            beyond = beyond[before.states[beyond] == OPEN]
+            closed = before.clearance[beyond] - after.clearance[beyond]
+            led, guides = np.split(np.arange(len(beyond))[: 2 * self._beside], [self._beside])
+            if len(guides) and np.all(closed[: 2 * self._beside] > 0):
+                r = np.mean((anchors[beyond[guides]] - before.s[beyond[guides]]) / closed[guides])
+                anchors[beyond[led]] = before.s[beyond[led]] + r * closed[led]
         self._put(anchors)
 
     def _put(self, anchors):
@@ -134,11 +143,6 @@ class Ratio:
     def __init__(self, value: float = 0.0):
         self.value = value
         self._last: tuple[float, float] | None = None  # a value tried, and how far what was measured was from it
-
-    @property
-    def is_measured(self) -> bool:
-        """Whether ``improve`` was called."""
-        return self._last is not None
 
     def improve(self, measured: float):
         """Take in what was measured with the present value."""

@@ -107,7 +107,8 @@ class LoadStepping:
         return self.problem.held is not None
 
     @cached_property
-    def _entering(self):
+    def entering(self) -> EnteringPoints:
+        """Anchors of the points that enter contact under friction."""
         return EnteringPoints(self.problem)
 
     def _start(self, problem):
@@ -131,7 +132,7 @@ class LoadStepping:
             if self.problem.friction:
                 self.problem.memory.come_to_rest()
             if enters:
-                self._entering.end()
+                self.entering.end()
             return 0
         self._restore(saved)
         first, last = tried[0], tried[-1]
@@ -165,7 +166,7 @@ class LoadStepping:
 
     def _with_entering_points(self, before, after):
         """``_solve``, again and again until the points that enter contact are anchored where the edge passed them."""
-        entering, settled, first_contact = self._entering, self.options.anchors_settled, before.P == 0.0
+        entering, settled, first_contact = self.entering, self.options.anchors_settled, before.P == 0.0
         entering.begin(self._first_clearance() if first_contact else self._clearance(), first_contact)
         if self._is_uncoupled:
             self._renew_pressure(after)

@@ -57,11 +57,12 @@ def check(history: History, height: Callable, coupled: bool = True) -> dict[str,
     if history.friction:
         mu, loaded = history.mu, [entry for entry in entries if np.any(entry.surface.traction)]
         pairs = [(a.surface, b.surface) for a, b in zip(entries, entries[1:]) if np.any(b.surface.traction)]
+        reach = max((largest_motion(a, b) for a, b in pairs), default=0.0)
         checks |= {
             "|q| <= mu p": Check(
                 max((excess(e.surface, mu) for e in loaded), default=0.0), 10 * max(tolerance, AT_LIMIT)
             ),
-            "slip against q": Check(max((wrong_slip(a, b, mu) for a, b in pairs), default=0.0), WRONG_SLIP),
+            "slip against q": Check(max((wrong_slip(a, b, mu, reach) for a, b in pairs), default=0.0), WRONG_SLIP),
             "traction wiggles": Check(
                 max((wiggles(e.surface.traction, mu * np.ptp(e.surface.pressure)) for e in loaded), default=0.0),
                 WIGGLES,
@@ -107,16 +108,23 @@ def excess(surface: SurfaceState, mu: float) -> float:
     return float(max((np.abs(surface.traction) - limit).max(), 0.0) / limit.max())
 
 
-def wrong_slip(before: SurfaceState, after: SurfaceState, mu: float) -> float:
-    """Work that sliding points gain from friction in an increment, over what all would lose sliding like the fastest.
+def largest_motion(before: SurfaceState, after: SurfaceState) -> float:
+    """Largest change of u_x - delta_x in contact."""
+    moved = after.relative_displacement - before.relative_displacement
+    return float(np.abs(moved[after.pressure > 0]).max(initial=0.0))
 
-    A point sliding by less than Nitsche's method moves one that sticks may go the wrong way.
+
+def wrong_slip(before: SurfaceState, after: SurfaceState, mu: float, reach: float = 0.0) -> float:
+    """Work that sliding points gain from friction in a load step, over what all would lose sliding like the fastest.
+
+    A point sliding by less than Nitsche's method moves one that sticks may go the wrong way. reach: the largest motion
+    of any step; one in which nothing moves, as at a dwell, shows round-off only and is measured by SMALL of that.
     """
     limit = mu * after.pressure
     sliding = np.abs(after.traction) >= limit - AT_LIMIT * limit.max()
     moved = after.relative_displacement - before.relative_displacement
     work = np.where(sliding & (after.pressure > 0), -after.weight * after.traction * moved, 0.0)
-    most = after.line_load(limit) * np.abs(moved[after.pressure > 0]).max()
+    most = after.line_load(limit) * max(largest_motion(before, after), SMALL * reach)
     return float(-work[work < 0].sum() / most) if most > 0 else 0.0
 
 
@@ -152,6 +160,7 @@ def still_changing(history: History) -> int:
 
 OPEN = 1e-3  # an open point is held by its traction, which is not quite zero
 WRONG_SLIP = 1e-4  # measured below 1e-6
+SMALL = 1e-3  # motion over the largest below which a load step moves nothing
 WIGGLES = 0.05  # of the range; loops at k = 0.3 have less than 0.003, the coupled one at k = -0.5 on coarse facets 0.04
 MEASURES = {
     "load balance": imbalance,

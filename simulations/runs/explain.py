@@ -1,6 +1,8 @@
 """What a scene will simulate, before anything is solved."""
 
-from ..fem.contact_problem import X, Y
+from forms.contact import X, Y
+
+from ..loading.fallbacks import explained
 from .simulation import Simulation
 
 TERMS = {X: "tangential traction", Y: "contact pressure"}
@@ -17,5 +19,7 @@ def explain(simulation: Simulation) -> str:
             lines.append(f"{stage:26s} {unknown}, {len(problem.directions)} rigid displacement(s), {solver} Newton")
     edges = ", ".join(f"{edge:.4g}" for edge in simulation.cells.edges if edge > 0)
     lines.append(f"{'surface nodes':26s} {simulation.sampler.x.size}, graded to x/a = ±{edges}")
-    lines.append(f"{'increments':26s} {len(simulation.schedule)}")
+    lines.append(f"{'load steps':26s} {len(simulation.schedule)}")
+    last = simulation.solver.frictional or simulation.solver.normal
+    lines += [f"{'solved by' if i == 0 else '':26s} {way}" for i, way in enumerate(explained(last))]
     return "\n".join(lines)

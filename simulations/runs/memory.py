@@ -21,6 +21,7 @@ def save(solver: LoadStepping, numbering: Numbering) -> dict[str, np.ndarray] | 
     if problem.friction:
         memory["anchor"] = numbering.gather_points(problem.memory.anchor.x.array)
         memory["at rest"] = numbering.gather_points(problem.memory.at_rest.x.array)
+        memory["ratios"] = solver.entering.ratios()
     if problem is not solver.normal and Y not in problem.directions:
         held = problem.held
         at_nodes = np.zeros_like(held.state.x.array)
@@ -41,6 +42,7 @@ def restore(memory: dict[str, np.ndarray], solver: LoadStepping, numbering: Numb
         numbering.scatter_points(memory["anchor"], fields[0])
         numbering.scatter_points(memory["at rest"], fields[1])
         problem.memory.restore(fields)
+        solver.entering.take_up(memory.get("ratios", np.zeros(2)))
     if problem is not solver.normal and Y not in problem.directions:
         state, at_nodes = np.zeros_like(body.state.x.array), np.zeros_like(body.state.x.array)
         pressure = np.zeros_like(problem.held.pressure.x.array)
