@@ -6,6 +6,7 @@ Numbers in brackets are the equations of Heß, Giesa, Riechert, Wilhayn, Appl. S
 
 from .abel import PunchSuperposition
 from .checks import UndefinedDisplacementError
+from .coupled import CoupledLoop
 from .cylinder import CylinderContact
 from .fretting import FrettingLoop
 from .half_plane.edge_estimate import contact_edges
@@ -16,12 +17,14 @@ from .material import GradedHalfPlane
 from .normal import ProfileContact
 from .partial_slip import PartialSlip
 from .point_force import point_force_displacement
+from .pressing_with_friction import PressingWithFriction
 from .profile import PowerProfile, Profile
 from .spring_path import SpringPath
 from .tangential import UniformShift, from_displacement, from_traction
 from .two_bodies import GradedPair
 
 __all__ = [
+    "CoupledLoop",
     "CylinderContact",
     "FrettingLoop",
     "GradedHalfPlane",
@@ -31,6 +34,7 @@ __all__ = [
     "PartialSlip",
     "PowerLawKernel",
     "PowerProfile",
+    "PressingWithFriction",
     "Profile",
     "ProfileContact",
     "PunchSuperposition",

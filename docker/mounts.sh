@@ -9,11 +9,11 @@ mounts=()
 
 # May a folder of the host not be mounted there, because the image has its own?
 reserved() {
-    case $1 in
+    case $1/ in
     /usr/src/?* | /usr/local/src/?* | /dev/shm/?*) return 1 ;;
-    / | /opt | /run | /var | /var/cache | /var/lib | /var/lib/dpkg | /var/run | /var/run/* | /var/lock | /var/lock/*) ;;
-    /bin | /bin/* | /boot | /boot/* | /dev | /dev/* | /etc | /etc/* | /lib | /lib/* | /lib64 | /lib64/* | /opt/stack | /opt/stack/*) ;;
-    /proc | /proc/* | /sbin | /sbin/* | /sys | /sys/* | /usr | /usr/*) ;;
+    / | // | /opt/ | /run/ | /var/ | /var/cache/ | /var/lib/) ;;
+    /bin/* | /boot/* | /dev/* | /etc/* | /lib/* | /lib64/* | /opt/stack/* | /proc/* | /sbin/* | /sys/* | /usr/*) ;;
+    /var/lib/dpkg/* | /var/lock/* | /var/run/*) ;;
     *) return 1 ;;
     esac
 }

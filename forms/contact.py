@@ -34,6 +34,12 @@ def contact_pressure(traction, gap, gamma):
     return ufl.conditional(ufl.gt(trial, 0.0), trial, 0.0)
 
 
+def clearance(traction, gap, gamma):
+    """How far a point is from touching, a length:  [ gap - t_y / gamma ]_+ ; zero in contact."""
+    distance = gap - traction[Y] / gamma
+    return ufl.conditional(ufl.gt(distance, 0.0), distance, 0.0)
+
+
 def trial_traction(traction, s, anchor, gamma):
     """The tangential traction of a point that does not slip:  t_x - gamma (s - s_anchor)."""
     return traction[X] - gamma * (s - anchor)

@@ -82,13 +82,15 @@ class NitscheParameters:
 class Contact:
     """The contact tractions ``tractions[Y]`` = p and ``tractions[X]`` = q, and what else is known at a surface point.
 
-    state: ``contact.contact_state``; sliding, beyond_limit, rest, released: None without friction.
+    state: ``contact.contact_state``; clearance: None where the pressure is held; sliding, beyond_limit, rest, released:
+    None without friction.
     """
 
     t: Any
     nitsche: NitscheParameters
     tractions: dict[int, Any] = field(default_factory=dict)
     state: Any = None
+    clearance: Any = None
     friction: Friction | None = None
     sliding: Any = None
     beyond_limit: Any = None
@@ -100,13 +102,13 @@ def frictionless_contact(u, t, delta, profile, nitsche: NitscheParameters) -> Co
     """Pressure alone, (F5); profile: the indenter's f(x)."""
     g = contact.gap(u, profile, delta)  # (F4)
     p = contact.contact_pressure(t, g, nitsche.gamma)  # (F5)
-    return Contact(t, nitsche, {Y: p}, contact.contact_state(p))
+    return Contact(t, nitsche, {Y: p}, contact.contact_state(p), contact.clearance(t, g, nitsche.gamma))
 
 
 def frictional_contact(u, t, delta, profile, nitsche: NitscheParameters, friction: Friction) -> Contact:
     """Pressure and tangential traction, (F5) and (F7)."""
-    p = frictionless_contact(u, t, delta, profile, nitsche).tractions[Y]
-    return _with_friction(u, t, delta, p, {Y: p}, nitsche, friction)
+    normal = frictionless_contact(u, t, delta, profile, nitsche)
+    return _with_friction(u, t, delta, normal.tractions[Y], normal.tractions, nitsche, friction, normal.clearance)
 
 
 def tangential_contact(u, t, delta, held_pressure, nitsche: NitscheParameters, friction: Friction) -> Contact:
@@ -114,7 +116,7 @@ def tangential_contact(u, t, delta, held_pressure, nitsche: NitscheParameters, f
     return _with_friction(u, t, delta, held_pressure, {}, nitsche, friction)
 
 
-def _with_friction(u, t, delta, p, tractions, nitsche, friction):
+def _with_friction(u, t, delta, p, tractions, nitsche, friction, clearance=None):
     gamma, limiting = nitsche.gamma, p
     if friction.is_lagged is not None:
         limiting = ufl.conditional(ufl.gt(friction.is_lagged, 0.5), friction.lagged_pressure, p)
@@ -128,6 +130,7 @@ def _with_friction(u, t, delta, p, tractions, nitsche, friction):
         nitsche,
         tractions | {X: q},
         contact.contact_state(p, sliding),
+        clearance,
         friction,
         sliding,
         beyond_limit=contact.slip_beyond_limit(trial, limit, gamma),

@@ -15,28 +15,28 @@ __version__ = "0.1.0"
 if TYPE_CHECKING:
     from .api import Result, run
     from .loading.stepping import SolveError
-    from .run.checks import ChecksWarning
-    from .run.comparison import compare
-    from .run.reference import closed_form, of_same_physics
-    from .run.simulation import Simulation
+    from .runs.checks import ChecksWarning
+    from .runs.comparison import compare
+    from .runs.reference import closed_form, of_same_physics
+    from .runs.simulation import Simulation
     from .scene import DEFAULT_SCENE, Scene, SceneError, language, make_scene, parse
     from .studies.sweeping import sweep
 
 _EXPORTS = {
-    "ChecksWarning": "run.checks",
-    "compare": "run.comparison",
+    "ChecksWarning": "runs.checks",
+    "compare": "runs.comparison",
     "SceneError": "scene",
     "Result": "api",
     "make_scene": "scene",
     "run": "api",
     "SolveError": "loading.stepping",
-    "closed_form": "run.reference",
-    "of_same_physics": "run.reference",
+    "closed_form": "runs.reference",
+    "of_same_physics": "runs.reference",
     "DEFAULT_SCENE": "scene",
     "Scene": "scene",
     "language": "scene",
     "parse": "scene",
-    "Simulation": "run.simulation",
+    "Simulation": "runs.simulation",
     "sweep": "studies.sweeping",
 }
 __all__ = [

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 from mpi4py import MPI
 
-from .run import checks, comparison, reference
-from .run.history import Entry
-from .run.simulation import Simulation
+from .runs import checks, comparison, reference
+from .runs.history import Entry
+from .runs.simulation import Simulation
 from .scene import DEFAULT_SCENE, Scene, make_scene
 
 

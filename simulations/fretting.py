@@ -11,13 +11,13 @@ from .output import checkpoint
 from .output.files import OutputError, write_summary
 from .output.folder import begin, claimed, files
 from .output.results import Results
-from .run.checks import ChecksFailed
-from .run.comparison import QUANTITIES
-from .run.estimate import coarser, estimated, expectation
-from .run.explain import explain
-from .run.reference import expected_seconds
-from .run.simulation import Simulation
-from .run.timing import Stopwatch
+from .runs.checks import ChecksFailed
+from .runs.comparison import QUANTITIES
+from .runs.estimate import coarser, estimated, expectation
+from .runs.explain import explain
+from .runs.reference import expected_seconds
+from .runs.simulation import Simulation
+from .runs.timing import Stopwatch
 from .scene import DEFAULT_SCENE
 
 

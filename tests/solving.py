@@ -1,12 +1,15 @@
 """Small problems solved in-process by the tests."""
 
+from functools import partial
+
 from conftest import coarse_overrides
 from mpi4py import MPI
 
-from simulations.run.comparison import compare
-from simulations.run.expected_edges import ExpectedEdges
-from simulations.run.reference import closed_form
-from simulations.run.simulation import Simulation
+from simulations.loading.fallbacks import Options
+from simulations.runs.comparison import compare
+from simulations.runs.expected_edges import ExpectedEdges
+from simulations.runs.reference import closed_form
+from simulations.runs.simulation import Simulation
 from simulations.scene import DEFAULT_SCENE, parse
 
 
@@ -18,6 +21,11 @@ def coarse_simulation(text=DEFAULT_SCENE, cells=None, like=None, **changes) -> S
 def solved(text=DEFAULT_SCENE, cells=None, **changes) -> Simulation:
     """The same, run to its end."""
     return coarse_simulation(text, cells, **changes).run_to_end()
+
+
+def limit_stepping(monkeypatch, **options):
+    """From now on load stepping has these of its ``Options``."""
+    monkeypatch.setattr("simulations.loading.stepping.Options", partial(Options, **options))
 
 
 def deviations(simulation: Simulation) -> dict[str, float]:

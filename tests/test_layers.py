@@ -14,7 +14,7 @@ ROOMS = (
     "simulations.fem",
     "simulations.solvers",
     "simulations.loading",
-    "simulations.run",
+    "simulations.runs",
     "simulations.output",
     "simulations.command",
     "simulations.studies",

@@ -22,7 +22,7 @@ from ..fem import parallel
 from ..loading.stepping import SolveError
 from ..output.files import OutputError
 from ..output.folder import writable
-from ..run.checks import ChecksFailed
+from ..runs.checks import ChecksFailed
 from ..scene import SceneError
 from .arguments import Parser
 from .stopping import signal, stopping

@@ -7,7 +7,7 @@ import shutil
 import sys
 import time
 
-from ..run.simulation import Simulation
+from ..runs.simulation import Simulation
 from .command import say
 
 LAUNCHED = ("PMIX_RANK", "PMI_RANK", "OMPI_COMM_WORLD_RANK")  # mpirun's ranks have a terminal even where it has none
@@ -31,7 +31,7 @@ class Progress:
     def begin(self, simulation: Simulation, afterwards: float = 0.0):
         """The increments are about to begin; ``afterwards`` the seconds that are expected after the last of them."""
         self.simulation, self._afterwards = simulation, afterwards + FILES
-        self.total, self._first = len(simulation.programme), len(simulation.history.entries)
+        self.total, self._first = len(simulation.schedule), len(simulation.history.entries)
         self._start = time.perf_counter()
 
     def say(self, text: str):

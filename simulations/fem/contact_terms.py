@@ -28,8 +28,8 @@ class ContactTerms:
     """Residual and Jacobian of the body in contact.
 
     directions: of the contact tractions; held: pressure of the uncoupled tangential problem. ``forces`` is the form of
-    f, and ``forces_form`` the compiled one; ``pressure`` (None where it is held) evaluates p at the surface points;
-    ``force_per_digit`` is the norm of the forces that the last digits of a displacement of 1 make.
+    f, and ``forces_form`` the compiled one; ``pressure`` and ``clearance`` (None where p is held) evaluate these at the
+    surface points; ``force_per_digit`` is the norm of the forces that the last digits of a displacement of 1 make.
     """
 
     def __init__(self, points: SurfacePoints, law: weak_form.Contact, held: HeldPressure | None):
@@ -50,6 +50,7 @@ class ContactTerms:
         self._work_form = fem.form(weak_form.contact_work(law, v, ds)) if law.nitsche.theta else self.forces_form
         self._tributary_form = fem.form(v[Y] * ds)
         self._vector_on_strip = fem.Function(body.space)
+        self.clearance = None if law.clearance is None else PointExpression(points, law.clearance)
         self._state = PointExpression(points, law.state)
         nodes = fem.locate_dofs_topological(body.displacements, 1, body.strip)
         self._surface_dofs = body.dofs[nodes].ravel()
@@ -74,7 +75,7 @@ class ContactTerms:
         return self.body.constrained_stiffness.copy()
 
     def residual(self, load) -> tuple[PETSc.Vec, np.ndarray]:
-        """Force residual (owned dofs) and load imbalance, one per direction, at line loads ``(Q, P)``."""
+        """Force residual (owned dofs) and load imbalance, one per direction, at the line ``load``."""
         body = self.body
         body.complete()
         internal = body.stiffness.createVecLeft()
@@ -84,7 +85,7 @@ class ContactTerms:
             internal.array[self._owned(Y)] -= self.held.forces
         fem_petsc.set_bc(internal, body.boundary_conditions, x0=body.state.x.petsc_vec, alpha=-1.0)
         total = np.array([self._sum(form) for form in self.resultant_forms])
-        return internal, total - np.array([load[i] for i in self.directions])
+        return internal, total - np.array([load.components[i] for i in self.directions])
 
     def assemble_jacobian(self, matrix: PETSc.Mat):
         """Overwrite ``matrix`` with d(force residual)/du."""

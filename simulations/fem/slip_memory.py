@@ -36,6 +36,10 @@ class SlipMemory:
         """Where this rank's points would be anchored now (m,)."""
         return self._rest.values()
 
+    def anchors(self) -> np.ndarray:
+        """Where this rank's points are anchored (m,)."""
+        return self.anchor.x.array[self.points.dofs]
+
     def move_anchors(self, which: np.ndarray, positions: np.ndarray):
         """Anchor those of this rank's points (bool (m,)) at these positions (m,)."""
         self.anchor.x.array[self.points.dofs[which]] = positions[which]

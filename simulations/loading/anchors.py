@@ -1,87 +1,223 @@
-"""Points that come to stick within an increment, and where they do.
+"""Anchors of points that enter contact within a load step: their relative displacement when the edge reached them.
 
-As the contact grows, the edges of contact and of stick pass points one after the other, and each of them stops where
-the surface is at that moment. Anchored where they were when the increment began they would all be too early, the
-last the most: a sawtooth in the traction, a tooth an increment, which smaller increments only make finer. Instead they
-are anchored on the curve that the edge has drawn.
+Between two load steps the edge of contact passes points one after the other. Anchored where the step began they would
+all be too early, those passed last the most. How far a point has moved when it touches is known from how far it was
+from touching: as a point comes closer it moves sideways in proportion,
+
+    s(at touch) = s_before + r clearance_before,      r = (s_after - s_before)/(clearance_before - clearance_after),
+
+where r is measured on points that are open still. In uncoupled contact with a power law, r is alpha dQ/dP as long as
+the surface beside the edge sticks, the same everywhere: then this is exact, however large the step is. Otherwise r
+varies slowly along the surface. Points that slide when they enter and then stop, as the edge of stick follows that of
+contact, are anchored on the curve that this edge draws.
+
+The state after a step depends on the anchors: solve, measure, anchor, solve again.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
-from mpi4py import MPI
 
 from forms.contact import CLOSED, OPEN
 
 from ..fem.contact_problem import ContactProblem
 
+# r is measured between two distances from the edge, in units of its motion in the step. A wrong r is seen the better the
+# further out, and the edge's own r the better the closer to it; without coupling r is the same everywhere.
+COUPLED, UNCOUPLED = (0.1, 0.6), (0.5, 2.0)
+BESIDE = 8  # points beside the edge, whose displacement has the error of the facet that it cuts
+STEPS = 0.3, 3.0  # shortest and longest step of the secant method, over the defect
+SIDES = (-1, 1)  # left, right
 
-class Newcomers:
-    """Anchors the newcomers of a frictional problem."""
+
+@dataclass(frozen=True)
+class Surface:
+    """Of the surface points sorted by x (n,): contact states, anchors (s where a point is open), clearances."""
+
+    states: np.ndarray
+    s: np.ndarray
+    clearance: np.ndarray
+
+    def at(self, which) -> "Surface":
+        """The same for some of the points."""
+        return Surface(self.states[which], self.s[which], self.clearance[which])
+
+
+class EnteringPoints:
+    """Anchors the points that enter contact in a load step of a frictional problem."""
 
     def __init__(self, problem: ContactProblem):
         self._problem, self._comm = problem, problem.body.mesh.comm
+        self._is_uncoupled = problem.held is not None
+        self._window = UNCOUPLED if self._is_uncoupled else COUPLED
+        self._beside = BESIDE if self._is_uncoupled else 0  # points that r is not measured on, and which ``end`` leads
         parts = self._comm.allgather((problem.points.x, problem.points.middle))
-        x, cell = (np.concatenate(part) for part in zip(*parts))
-        self._order = np.lexsort((cell, x))
+        x, middle = (np.concatenate(part) for part in zip(*parts))
+        self._order = np.lexsort((middle, x))
         self._x = x[self._order]
         start = sum(len(part[0]) for part in parts[: self._comm.rank])
-        self._mine = np.argsort(self._order)[start : start + len(parts[self._comm.rank][0])]
+        self._mine = np.argsort(self._order)[start : start + len(problem.points.x)]
+        self._ratios = {side: Ratio() for side in SIDES}
+        self._draws = False  # anchors points that stop where the edge of stick drew them
 
-    def begin(self):
-        """Keep the anchors with which an increment was solved."""
-        self._start = self._problem.memory.save()
-        self._moved = np.zeros(len(self._mine), dtype=bool)
+    def begin(self, clearance: np.ndarray, is_first_contact: bool):
+        """Keep the state before a step, and anchor open points as if they went on as in the step before.
 
-    def anchor(self) -> bool:
-        """Move the newcomers' anchors to where their edges are now thought to have passed; whether there are any."""
+        clearance: of this rank's points (m,) before the step.
+        """
         memory = self._problem.memory
-        local = memory.states_at_rest(), self._problem.terms.contact_states(), memory.rest_positions()
-        places, positions = stops(self._x, *(np.concatenate(self._comm.allgather(v))[self._order] for v in local))
-        self._moved = places[self._mine]
-        memory.restore(self._start)
-        memory.move_anchors(self._moved, positions[self._mine])
-        return bool(np.any(places))
+        states = memory.states_at_rest()
+        states = np.where(states == OPEN, CLOSED, states)  # all in contact stick after a frictionless stage
+        states = np.where((clearance > 0) | is_first_contact, OPEN, states)
+        self._before = Surface(*self._gathered(states, memory.anchors(), clearance))
+        self._ratios = {side: Ratio(ratio.value) for side, ratio in self._ratios.items()}
+        self._draws = False
+        if not is_first_contact:
+            self._put(anchors_of_entering(self._x, self._before, self._before, self._ratios))
 
-    def are_settled(self) -> bool:
-        """Whether all points whose anchors were moved stick still: one that slides would do so from the wrong place."""
-        stick = np.all(self._problem.terms.contact_states()[self._moved] == CLOSED)
-        return self._comm.allreduce(bool(stick), MPI.LAND)
+    def renew(self, clearance: np.ndarray, settled: float) -> bool:
+        """Measure r in the state after the step and anchor what has entered; False where it is anchored so already.
+
+        clearance: of this rank's points (m,) now; settled: change of anchors that does not count, over how far the
+        points in contact have moved.
+        """
+        problem, before = self._problem, self._before
+        local = problem.terms.contact_states(), problem.memory.rest_positions(), clearance
+        self._after = after = Surface(*self._gathered(*local))
+        (old,) = self._gathered(problem.memory.anchors())
+        measure(self._x, before, after, self._ratios, self._window, self._beside)
+        new = anchors_of_entering(self._x, before, after, self._ratios)
+        change = self._change(new, old)
+        if change <= settled and not self._is_uncoupled:  # the ratios have settled: what slides now does slide
+            self._draws = True
+        if self._draws:
+            for side in SIDES:
+                stopped, positions = anchors_of_stopped(self._x, before, after, side)
+                new[stopped] = positions
+            change = self._change(new, old)
+        if change <= settled:
+            return False
+        self._put(new)
+        return True
+
+    def _change(self, new, old) -> float:
+        """Largest change of anchors over the largest motion, but of points that slide with the new ones as well."""
+        direction = self._after.states - CLOSED  # in which the traction of a point is at its limit
+        slides_still = (direction != 0) & (direction * (new - self._after.s) >= 0)
+        counts = (self._after.states != OPEN) & ~slides_still
+        moved = np.abs(new - self._before.s)[counts].max(initial=0.0)
+        return float(np.abs(new - old)[counts].max() / moved) if moved else 0.0
+
+    def end(self):
+        """After the points have come to rest: let open ones beside an edge follow those further out by r."""
+        before, after = self._before, self._after
+        (anchors,) = self._gathered(self._problem.memory.anchors())
+        for side in SIDES:
+            beyond = open_points(after.states, side)[: self._beside]
+            closer = (before.states[beyond] == OPEN) & (after.clearance[beyond] < before.clearance[beyond])
+            if self._ratios[side].is_measured:
+                i = beyond[closer]
+                closed = before.clearance[i] - after.clearance[i]
+                anchors[i] = before.s[i] + self._ratios[side].value * closed
+        self._put(anchors)
+
+    def _put(self, anchors):
+        self._problem.memory.move_anchors(np.ones(len(self._mine), bool), anchors[self._mine])
+
+    def _gathered(self, *local):
+        return [np.concatenate(self._comm.allgather(values))[self._order] for values in local]
 
 
-def stops(x, before, after, rest):
-    """Which of the points x, in order, are newcomers (bool, (n,)), and where they stopped (n,).
+class Ratio:
+    """r of one edge: the number that equals what is measured with it, by the secant method."""
 
-    before, after: contact states; rest: where each point would be anchored now. The edge that passed a run of points
-    that stick now is the point beyond it that does not: it is open, or slides. From there inwards those are newcomers
-    that were open before, or slid the same way; a point that slid the other way stopped as the load turned back.
-    """
-    places, positions = np.zeros(len(x), dtype=bool), rest.copy()
-    fresh = (before != CLOSED) & (after == CLOSED)
-    fresh[[0, -1]] = False
-    steps = np.diff(fresh.astype(int))
-    for left, right in zip(np.flatnonzero(steps > 0), np.flatnonzero(steps < 0) + 1):  # the points next to the run
-        run = np.arange(left + 1, right)
-        if after[left] != CLOSED and after[right] != CLOSED:
-            if np.all(before[run] == OPEN) and x[left] < 0 < x[right]:
-                places[run], positions[run] = True, _first_contact(x[run], x[[left, right]], rest[[left, right]])
+    def __init__(self, value: float = 0.0):
+        self.value = value
+        self._last: tuple[float, float] | None = None  # a value tried, and how far what was measured was from it
+
+    @property
+    def is_measured(self) -> bool:
+        """Whether ``improve`` was called."""
+        return self._last is not None
+
+    def improve(self, measured: float):
+        """Take in what was measured with the present value."""
+        value, defect, step = self.value, measured - self.value, 1.0
+        if self._last is not None and defect != self._last[1]:
+            before, defect_before = self._last
+            step = np.clip((value - before) / (defect_before - defect), *STEPS)
+        self.value = value + step * defect
+        self._last = value, defect
+
+
+def measure(x, before: Surface, after: Surface, ratios: dict[int, Ratio], window, beside: int):
+    """Improve r of both edges by points (n,) at x that are open before and after."""
+    for side in SIDES:
+        beyond = open_points(after.states, side)
+        entered = open_points(before.states, side)
+        if len(entered) <= len(beyond) or not len(beyond):
             continue
-        for inner, outer, inwards in ((left, right, run[::-1]), (right, left, run)):
-            passed = (before[inwards] == OPEN) | (before[inwards] == after[outer])
-            new = inwards[: len(run) if passed.all() else np.argmin(passed)]
-            if after[outer] != CLOSED and len(new):
-                inner = new[-1] + np.sign(inner - outer)
-                places[new], positions[new] = True, _drawn(x, after, rest, inner, outer)(x[new])
-    return places, positions
+        motion = abs(x[beyond[0]] - x[entered[0]])
+        beyond = beyond[before.states[beyond] == OPEN]
+        distance = np.abs(x[beyond] - x[beyond[0]])
+        first = min(max(np.searchsorted(distance, window[0] * motion), beside), len(beyond) - 1)
+        end = max(np.searchsorted(distance, window[1] * motion), first + max(beside, 1))
+        b, a = before.at(beyond[first:end]), after.at(beyond[first:end])
+        closed = b.clearance - a.clearance
+        if np.all(closed > 0):
+            ratios[side].improve(float(np.mean((a.s - b.s) / closed)))
 
 
-def _first_contact(x, edges, rest):
-    """Positions at x, between two edges that started from x = 0 on an indenter of curvature, like x |x|."""
-    return np.where(x < 0, rest[0] * (x / edges[0]) ** 2, rest[1] * (x / edges[1]) ** 2)
+def anchors_of_entering(x, before: Surface, after: Surface, ratios: dict[int, Ratio]) -> np.ndarray:
+    """Anchors (n,): where points open before would touch, those that were in contact as they were.
+
+    Each goes with the edge on its side: of the contact before, or of the point that was first to touch.
+    """
+    contact = np.flatnonzero(before.states != OPEN)
+    middle = x[contact].mean() if len(contact) else x[np.argmin(before.clearance)]
+    r = np.where(x < middle, ratios[-1].value, ratios[1].value)
+    return np.where(before.states == OPEN, before.s + r * before.clearance, before.s)
 
 
-def _drawn(x, after, rest, inner, outer):
-    """Curve through the point that sticks already, the edge and, where it sticks too, a point as far inwards again."""
-    behind = np.clip(np.searchsorted(x, 2 * x[inner] - x[outer]), 0, len(x) - 1)
+def anchors_of_stopped(x, before: Surface, after: Surface, side: int) -> tuple[np.ndarray, np.ndarray]:
+    """Indices and anchors of points that stick now but slid before, or were open, as those beyond them slide now.
+
+    They lie on one side of the contact, from the edge of stick inwards. Where it is now the edge tells where points
+    stop, and so do those that stuck before: the anchors between lie on a smooth curve through both.
+    """
+    contact = np.flatnonzero(after.states != OPEN)
+    outwards = contact if side > 0 else contact[::-1]
+    states, old = after.states[outwards], before.states[outwards]
+    sliding = leading(states[::-1] == states[-1]) if states[-1] != CLOSED else 0
+    edge = len(outwards) - sliding
+    new = (states == CLOSED) & ((old == OPEN) | (old == states[-1]))
+    first = edge - leading(new[:edge][::-1])
+    if not 0 < sliding < len(outwards) or first == edge:
+        return outwards[:0], np.zeros(0)
+    stopped, outer = outwards[first:edge], outwards[edge]
+    if np.all(before.states == OPEN):  # the contact started from a point, under an indenter that is a power there
+        share = before.clearance / before.clearance[outer]
+        stopped = stopped[side * x[stopped] > side * x[np.argmin(before.clearance)]]
+        return stopped, after.s[outer] * share[stopped]
+    if first == 0:
+        return outwards[:0], np.zeros(0)
+    inner = outwards[first - 1]
     support = [inner, outer]
-    if x[behind] != x[inner] and np.all(after[min(behind, inner) : max(behind, inner) + 1] == CLOSED):
+    behind = outwards[np.argmin(np.abs(x[outwards] - (2 * x[inner] - x[outer])))]
+    if x[behind] != x[inner] and np.all(after.states[min(behind, inner) : max(behind, inner) + 1] == CLOSED):
         support.append(behind)
-    return np.polynomial.Polynomial.fit(x[support], rest[support], len(support) - 1)
+    curve = np.polynomial.Polynomial.fit(x[support], after.s[support], len(support) - 1)
+    return stopped, curve(x[stopped])
+
+
+def leading(mask) -> int:
+    """Number of True before the first False."""
+    return len(mask) if np.all(mask) else int(np.argmin(mask))
+
+
+def open_points(states: np.ndarray, side: int) -> np.ndarray:
+    """Indices of the open points beyond the contact's edge on one side, from there outwards; all without contact."""
+    contact = np.flatnonzero(states != OPEN)
+    middle = len(states) // 2
+    left, right = (contact[0], contact[-1] + 1) if len(contact) else (middle, middle)
+    return np.arange(right, len(states)) if side > 0 else np.arange(left)[::-1]

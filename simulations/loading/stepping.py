@@ -1,38 +1,39 @@
-"""The load programme: press, then rock, increment by increment, with smaller steps where Newton fails."""
+"""Load stepping: press, then rock, load step by load step, with half steps where every way of solving one fails."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 
-from ..fem.contact_problem import ContactProblem, X, Y
+from ..fem.contact_problem import ContactProblem
 from ..solvers.newton import FORCE_TOLERANCE, Newton, NewtonResult, System
-from .anchors import Newcomers
-from .pinning import HeldPoint
-from .schedule import Increment
-
-MAX_CUTS = 6
-MAX_SWEEPS = 60  # of the fixed point
-SETTLINGS, MAX_SETTLINGS = 3, 8  # solves for where newcomers stopped: more while some of them slide again
+from .anchors import EnteringPoints
+from .fallbacks import FALLBACKS, Options
+from .schedule import NO_LOAD, Load, LoadStep
 
 
 class SolveError(RuntimeError):
-    """Newton failed and smaller increments did not help; the message says why.
+    """A load step has no answer, and smaller ones did not help. The message says where and why, in scaled loads.
 
-    load: the line loads (Q, P), in scaled units, that were not reached.
+    before, after: the loads between which it happened, and ``branch``; None where loads have nothing to do with it.
+    reason: the message without them.
     """
 
-    def __init__(self, reason: str, load=None):
-        super().__init__(reason)
-        self.load = load
+    def __init__(self, reason: str, before: Load | None = None, after: Load | None = None, branch: str = ""):
+        self.reason, self.before, self.after, self.branch = reason, before, after, branch
+        where = ""
+        if before is not None and after is not None:
+            where = f"between (P, Q) = ({before.P:.4g}, {before.Q:.4g}) and ({after.P:.4g}, {after.Q:.4g}) ({branch}): "
+        super().__init__(where + reason)
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What an increment took."""
+    """What a load step took: all solves, halvings, and the names of the ways of solving that it came to."""
 
-    increment: Increment
-    results: tuple[NewtonResult, ...] = field(default=())
-    cuts: int = 0  # halvings
+    step: LoadStep
+    results: tuple[NewtonResult, ...] = ()
+    cuts: int = 0
+    ways: tuple[str, ...] = ()
 
     @property
     def iterations(self) -> int:
@@ -40,8 +41,8 @@ class Outcome:
         return sum(result.iterations for result in self.results)
 
 
-class LoadProgramme:
-    """Runs increments on a half-plane, each by the problem of its stage.
+class LoadStepping:
+    """Runs load steps on a body, each by the problem of its stage.
 
     normal: the frictionless problem; frictional: the one that takes over when tangential loading starts, or from
     the first contact on (``friction_first``), or None; system: function from a problem to the newton.System that
@@ -59,7 +60,15 @@ class LoadProgramme:
         self.problem, self.normal, self.frictional = normal, normal, frictional
         self.body, self._system = normal.body, system
         self._friction_first, self._tolerance = friction_first, tolerance
-        self.confirms = False  # set before ``run``: solves under Coulomb's law as it is are confirmed (newton.Newton)
+        self.options = Options()
+        self._newton: Newton = None  # type: ignore[assignment]  # made when the stage begins
+        self._normal_newton: Newton = None  # type: ignore[assignment]
+        self._results: list[NewtonResult] = []
+        self._ways: list[str] = []
+
+    def configure(self, **changes):
+        """Other ``options``, by name."""
+        self.options = replace(self.options, **changes)
 
     @property
     def system(self) -> System:
@@ -71,159 +80,147 @@ class LoadProgramme:
         """What solved the normal stage, once friction has begun."""
         return self._normal_newton.system
 
-    def skip(self, done: list[Increment]):
-        """Stand where a run stands that has done these increments; its memory is yet to be restored."""
+    def skip(self, done: list[LoadStep]):
+        """Stand where a run stands that has done these steps; its memory is yet to be restored."""
         self._newton = self._start(self.normal)
-        if self.frictional and (self._friction_first or any(increment.branch != "normal" for increment in done)):
+        if self.frictional and (self._friction_first or any(step.branch != "normal" for step in done)):
             self._normal_newton, self.problem = self._newton, self.frictional
             self._newton = self._start(self.frictional)
 
-    def run(self, programme: list[Increment], done: int = 0) -> Iterator[Outcome]:
-        """Yield each outcome after the first ``done`` while its state is on the half-plane; SolveError ends the run."""
-        before = programme[done - 1] if done else Increment(P=0.0)
+    def run(self, schedule: list[LoadStep], done: int = 0) -> Iterator[Outcome]:
+        """Yield each outcome after the first ``done`` while its state is on the body; SolveError ends the run."""
+        before = schedule[done - 1].load if done else NO_LOAD
         if not done:
             self._newton = self._start(self.problem)
-        for increment in programme[done:]:
-            results: list[NewtonResult] = []
-            if self.problem is not self.frictional and (increment.branch != "normal" or self._friction_first):
-                if self._friction_first:  # the frictionless contact of the first increment is where Newton starts
-                    self._advance(before, increment, results)
+        for step in schedule[done:]:
+            self._results, self._ways = [], []
+            if self.problem is not self.frictional and (step.branch != "normal" or self._friction_first):
+                if self._friction_first:  # the frictionless contact of the first step is where Newton starts
+                    self._advance(before, step.load, step.branch)
                 self._begin_friction()
-            uncoupled = self.problem is self.frictional and Y not in self.problem.directions
-            if uncoupled and increment.P != before.P:
-                self._renew_pressure(increment, results)
-            cuts = self._advance(before, increment, results)
-            yield Outcome(increment, tuple(results), cuts)
-            before = increment
+            cuts = self._advance(before, step.load, step.branch)
+            yield Outcome(step, tuple(self._results), cuts, tuple(dict.fromkeys(self._ways)))
+            before = step.load
+
+    @property
+    def _is_uncoupled(self):
+        return self.problem.held is not None
 
     @cached_property
-    def _newcomers(self):
-        return Newcomers(self.problem)
-
-    @cached_property
-    def _held_point(self):
-        return HeldPoint(self.problem)
+    def _entering(self):
+        return EnteringPoints(self.problem)
 
     def _start(self, problem):
         return Newton(self._system(problem), self.body.mesh.comm, tolerance=self._tolerance)
 
     def _begin_friction(self):
         self._normal_newton, self.problem = self._newton, self.frictional
-        if Y not in self.frictional.directions:
-            self.frictional.hold_pressure(self.normal)
+        if self._is_uncoupled:
+            self.problem.hold_pressure(self.normal)
         if not self._friction_first:  # there the surface came to rest before it was touched, at s = 0
-            self.frictional.memory.release()
-        self._newton = self._start(self.frictional)
+            self.problem.memory.release()
+        self._newton = self._start(self.problem)
 
-    def _renew_pressure(self, increment: Increment, results: list[NewtonResult]):
+    def _advance(self, before: Load, after: Load, branch: str, depth: int = 0) -> int:
+        """Solve a step, in two halves should every way fail; returns the number of halvings."""
+        saved = self._save()
+        # without coupling and with P as it was no edge of contact moves
+        enters = self.problem.friction and not (self._is_uncoupled and before.P == after.P)
+        tried = self._with_entering_points(before, after) if enters else self._solve(after)
+        if tried[-1].converged:
+            if self.problem.friction:
+                self.problem.memory.come_to_rest()
+            if enters:
+                self._entering.end()
+            return 0
+        self._restore(saved)
+        first, last = tried[0], tried[-1]
+        if depth == self.options.halvings:
+            changes = ", ".join(map(str, first.changes[-4:])) or "none"
+            raise SolveError(
+                f"no equilibrium: {first.reason}, and at last {last.reason}; force residual {first.residual:.1e} P "
+                f"after {first.iterations} iterations and {depth} halvings of the load step, contact states changed "
+                f"in the last iterations: {changes}",
+                before,
+                after,
+                branch,
+            )
+        middle = before.halfway_to(after)
+        cuts = self._advance(before, middle, branch, depth + 1)
+        return 1 + cuts + self._advance(middle, after, branch, depth + 1)
+
+    def _solve(self, load: Load) -> list[NewtonResult]:
+        """What the ways of solving ended with, in order, up to the first that converged."""
+        saved, tried = self._save(), []
+        for way in FALLBACKS:
+            if way.name in self.options.fallbacks and way.applies(self.problem):
+                results = way.solve(self._newton, load, self.options)
+                self._results += results
+                self._ways.append(way.name)
+                tried.append(results[-1])
+                if results[-1].converged:
+                    break
+                self._restore(saved)
+        return tried
+
+    def _with_entering_points(self, before, after):
+        """``_solve``, again and again until the points that enter contact are anchored where the edge passed them."""
+        entering, settled, first_contact = self._entering, self.options.anchors_settled, before.P == 0.0
+        entering.begin(self._first_clearance() if first_contact else self._clearance(), first_contact)
+        if self._is_uncoupled:
+            self._renew_pressure(after)
+        tried = self._solve(after)
+        for _ in range(self.options.anchor_passes):
+            if not tried[-1].converged:
+                break
+            found = self._save()
+            if not entering.renew(self._clearance(), settled):
+                break
+            if not self._solve(after)[-1].converged:  # the last anchors with which there was an answer
+                self._restore(found)
+                self._results.append(self._newton.balance(after))
+                break
+        return tried
+
+    def _clearance(self):
+        """Of the surface points; without coupling from the frictionless problem, whose state is held."""
+        if not self._is_uncoupled:
+            return self.problem.terms.clearance.values().copy()
+        tangential, rigid = self.problem.held.remove_tangential(), self.body.delta.value.copy()
+        clearance = self.normal.terms.clearance.values().copy()
+        self.body.state.x.array[:] += tangential
+        self.body.delta.value[:] = rigid
+        return clearance
+
+    def _first_clearance(self):
+        """The indenter's height above the surface points: their clearance before the first contact."""
+        state, rigid = self.body.state.x.array.copy(), self.body.delta.value.copy()
+        self.body.state.x.array[:], self.body.delta.value[:] = 0.0, 0.0
+        height = self.normal.terms.clearance.values().copy()
+        self.body.state.x.array[:], self.body.delta.value[:] = state, rigid
+        return height
+
+    def _renew_pressure(self, load: Load):
         """Without coupling: the frictionless contact under a new P, beneath an unchanged tangential problem."""
         tangential = self.problem.held.remove_tangential()
-        result = self._normal_newton.solve((0.0, increment.P), confirm=self.confirms)
-        results.append(result)
+        result = self._normal_newton.solve(Load(load.P), confirm=self.options.confirm)
+        self._results.append(result)
         if not result.converged:
-            raise SolveError(f"no frictionless contact: {result.reason}", increment.load)
+            raise SolveError(f"no frictionless contact at P = {load.P:.4g}: {result.reason}")
         self.problem.hold_pressure(self.normal)
         self.body.state.x.array[:] += tangential
 
-    def _advance(self, before: Increment, after: Increment, results: list[NewtonResult], depth: int = 0) -> int:
-        """Newton; where it fails guarded Newton, then the fixed point in the pressure, then two half increments.
-
-        Appends every solve to ``results`` and returns the number of halvings.
-        """
-        saved = self._save()
-        result, first = self._solve(after.load, results)
-        if result.converged:
-            if self.problem.friction:
-                if after.branch == "normal":
-                    self._settle(after.load, results)
-                self.problem.memory.come_to_rest()
-            return 0
-        self._restore(saved)
-        if depth == MAX_CUTS:
-            raise SolveError(
-                f"no equilibrium: {first.reason}, and at last {result.reason}; force residual "
-                f"{first.residual:.1e} P after {first.iterations} iterations and {depth} halvings of the increment, "
-                f"contact states changed in the last iterations: {', '.join(map(str, first.changes[-4:])) or 'none'}",
-                after.load,
-            )
-        P = (before.P + after.P) / 2 if Y in self.problem.directions else after.P
-        middle = replace(after, P=P, Q=(before.Q + after.Q) / 2, state="")
-        cuts = self._advance(before, middle, results, depth + 1)
-        return 1 + cuts + self._advance(middle, after, results, depth + 1)
-
-    def _solve(self, load, results: list[NewtonResult]) -> tuple[NewtonResult, NewtonResult]:
-        """The last attempt, converged or not, and the first."""
-        saved = self._save()
-        attempts = [lambda: self._newton.solve(load, self.problem.friction, confirm=self.confirms)]
-        if self.problem.friction:
-            attempts.append(lambda: self._guarded(load, results))
-        if self.problem.directions == (X, Y):
-            attempts.append(lambda: self._fixed_point(load, results))
-        tried = []
-        for attempt in attempts:
-            tried.append(attempt())
-            results.append(tried[-1])
-            if tried[-1].converged:
-                break
-            self._restore(saved)
-        return tried[-1], tried[0]
-
-    def _settle(self, load, results: list[NewtonResult]):
-        """Find out where points that came to stick as the contact grew under P alone did so.
-
-        Not where it moves aside: there that changes as much as it cures, and takes twice the time (measured).
-        """
-        saved = self._save()
-        self._newcomers.begin()
-        for solves in range(MAX_SETTLINGS):
-            if solves >= SETTLINGS and self._newcomers.are_settled():
-                return
-            any_new = self._newcomers.anchor()
-            if not any_new and solves == 0:
-                return
-            if not any_new or not self._solve(load, results)[0].converged:
-                break
-        self._restore(saved)
-        results.append(self._newton.balance(load))
-
-    def _guarded(self, load, results: list[NewtonResult]) -> NewtonResult:
-        """Newton in which no point turns round without sticking in between, then Newton as it is to confirm.
-
-        One point sticks at least: where all would slide, one is held.
-        """
-        safeguards, newton = self.problem.safeguards, self._newton
-        newton.after_linearise, newton.after_residual = safeguards.note_sliding, self._held_point.update
-        guarded = newton.solve(load, predict=True)
-        newton.after_linearise, newton.after_residual = lambda: None, lambda: False
-        safeguards.forget()
-        self._held_point.release()
-        if not guarded.converged:
-            return guarded
-        results.append(guarded)
-        return newton.solve(load, confirm=self.confirms)
-
-    def _fixed_point(self, load, results: list[NewtonResult]) -> NewtonResult:
-        """Friction limited by the last sweep's pressure, sweep after sweep until that is the present one.
-
-        Each sweep is the tangent of a convex minimum, on which Newton does not cycle; the sweeps contract by about
-        mu times the coupling.
-        """
-        for sweeps in range(MAX_SWEEPS):
-            with self.problem.safeguards.lagged_pressure():
-                sweep = self._newton.solve(load, predict=sweeps == 0)
-            if not sweep.converged:
-                return replace(sweep, reason=f"in a fixed-point sweep, {sweep.reason}")
-            results.append(sweep)
-            balance = self._newton.balance(load)
-            if balance.converged:
-                return balance
-        return balance
-
     def _save(self):
-        memory = self.problem.memory.save() if self.problem.friction else None
-        return self.body.state.x.array.copy(), self.body.delta.value.copy(), memory
+        problem = self.problem
+        memory = problem.memory.save() if problem.friction else None
+        held = None
+        if self._is_uncoupled:
+            held = problem.held.state.x.array.copy(), problem.held.pressure.x.array.copy(), problem.held.forces
+        return self.body.state.x.array.copy(), self.body.delta.value.copy(), memory, held
 
     def _restore(self, saved):
-        self.body.state.x.array[:], self.body.delta.value[:], memory = saved
+        self.body.state.x.array[:], self.body.delta.value[:], memory, held = saved
         if memory is not None:
             self.problem.memory.restore(memory)
+        if held is not None:
+            self.problem.held.restore(*held)

@@ -23,14 +23,14 @@ from .. import __version__
 from ..fem.mesh import Grading
 from ..fem.surface import SurfaceState
 from ..loading.stepping import Outcome
-from ..run import memory
+from ..runs import memory
 from ..scene import Scene, SceneError, one_line, parse
 from ..solvers.newton import NewtonResult
 from .files import on_disk
 
 if TYPE_CHECKING:
-    from ..run.history import Entry
-    from ..run.simulation import Simulation
+    from ..runs.history import Entry
+    from ..runs.simulation import Simulation
 
 FOLDER, SCENE = "checkpoint", "scene.toml"
 NODAL = ("pressure", "traction", "u", "delta", "neglected")
@@ -177,7 +177,7 @@ def restore(saved: Saved, simulation: Simulation):
     """Take a new Simulation to where ``saved`` was left."""
     if saved.states is None or saved.memory is None or saved.seconds is None:
         return
-    sampler, solver, done = simulation.sampler, simulation.solver, simulation.programme[: saved.increments]
+    sampler, solver, done = simulation.sampler, simulation.solver, simulation.schedule[: saved.increments]
     for increment, row, changes in zip(done, saved.states, saved.changes, strict=True):
         surface = SurfaceState(sampler.x, sampler.weight, **{name: row[name].copy() for name in NODAL})
         numbers = int(row["iterations"]), float(row["residual"]), float(row["imbalance"])

@@ -12,7 +12,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from ..run.history import Entry, History
+from ..runs.history import Entry, History
 from ..scene.scaling import Scales
 
 UNITS = {

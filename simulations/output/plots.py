@@ -5,10 +5,10 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 
-from ..run.history import Entry, History
-from ..run.reference import Reference
-from ..run.simulation import Simulation
-from ..run.springs import Springs
+from ..runs.history import Entry, History
+from ..runs.reference import Reference
+from ..runs.simulation import Simulation
+from ..runs.springs import Springs
 from .files import on_disk
 from .style import COLOURS
 

@@ -6,10 +6,10 @@ from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
-from ..run import report_data
-from ..run.history import Entry
-from ..run.reference import Tell
-from ..run.simulation import Simulation
+from ..runs import report_data
+from ..runs.history import Entry
+from ..runs.reference import Tell
+from ..runs.simulation import Simulation
 from . import checkpoint
 from . import files as output
 from .checkpoint import Checkpoint
@@ -75,10 +75,10 @@ class Results:
 
     def _matters(self, number):
         """True for the end of the normal stage and the states A ... E or 1, 2, ..., whose fields are kept."""
-        programme = self.simulation.programme
-        normal = programme[number].branch == "normal"
-        pressing = number + 1 < len(programme) and programme[number + 1].branch == "normal"
-        return bool(programme[number].state) or (normal and not pressing)
+        schedule = self.simulation.schedule
+        normal = schedule[number].branch == "normal"
+        pressing = number + 1 < len(schedule) and schedule[number + 1].branch == "normal"
+        return bool(schedule[number].state) or (normal and not pressing)
 
     def _everywhere(self, write: Callable[[], None]):
         """``write``, in which rank 0 may fail: OutputError on every rank."""

@@ -1,7 +1,7 @@
 """The results of a run as a table for reading: each value beside the reference's and its own error."""
 
-from ..run import checks
-from ..run.report_data import Comparison, Findings
+from ..runs import checks
+from ..runs.report_data import Comparison, Findings
 
 ROWS = {
     "a": "contact half-width a [m]",

@@ -124,7 +124,7 @@ def incompressibility(scene: Scene) -> Verdict:
     return Verdict(on, why, "displacements and mean stress" if on else "displacements alone")
 
 
-def load_programme(scene: Scene) -> Verdict:
+def load_schedule(scene: Scene) -> Verdict:
     """One loading, cycles, or a path."""
     if not scene.is_loop:
         points = len(scene.load.points) if isinstance(scene.load, Path) else 1
@@ -169,6 +169,6 @@ add(
     Effect("coupling", coupling, keeps_reference=True),
     Effect("friction in normal stage", friction_in_normal_stage, keeps_reference=True),
     Effect("incompressibility", incompressibility, keeps_reference=True),
-    Effect("load programme", load_programme, keeps_reference=True),
+    Effect("load schedule", load_schedule, keeps_reference=True),
     Effect("indenter profile", profile, keeps_reference=True),
 )

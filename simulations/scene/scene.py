@@ -89,7 +89,7 @@ class Scene(BaseModel):
 
     @property
     def is_loop(self) -> bool:
-        """True for the fretting programme, to Q_A and then cycles, at constant P."""
+        """True for the fretting loop, to Q_A and then cycles, at constant P."""
         return isinstance(self.load, Fretting)
 
     @property

@@ -162,7 +162,7 @@ class Formula(Indenter):
 
 
 class Load(Table):
-    """What all load programmes share."""
+    """What all load schedules share."""
 
     table: ClassVar[str] = "load"
 

@@ -21,7 +21,7 @@ class FullSystem:
         self.problem = problem
         self._rigid = list(problem.directions)
         self._comm = problem.body.mesh.comm
-        self._load = (0.0, 0.0)
+        self._load = None
         self.jacobian = problem.terms.create_matrix()
         self._ksp = bulk_solver(self.jacobian, "lu")
 
@@ -34,7 +34,7 @@ class FullSystem:
         """Prescribe the line loads and fill ``x`` with the present state."""
         self._load = load
         body = self.problem.body
-        body.apply_far_field(load)
+        body.apply_far_field(load.components)
         self._join(body.state.x.petsc_vec, body.delta.value[self._rigid], x)
 
     def residual(self, x, f) -> tuple[float, float]:

@@ -56,7 +56,7 @@ class System(Protocol):
         """A vector of the unknowns."""
 
     def begin(self, load, x: PETSc.Vec):
-        """Prescribe the line loads ``(Q, P)`` and fill ``x`` with the present state."""
+        """Prescribe the line loads and fill ``x`` with the present state."""
 
     def residual(self, x: PETSc.Vec, f: PETSc.Vec) -> tuple[float, float]:
         """Fill ``f``; return the norm of the force residual and the largest load imbalance."""
@@ -130,7 +130,7 @@ class _Operator:
 def _weakly(method):
     """A bound method that does not keep its object alive: Python's collector does not see what PETSc refers to."""
     weak = weakref.WeakMethod(method)
-    return lambda *arguments: weak()(*arguments)
+    return lambda *arguments: weak()(*arguments)  # type: ignore[misc]  # called while the object lives
 
 
 class Newton:
@@ -160,7 +160,7 @@ class Newton:
         self.after_residual = lambda: False  # likewise; True where it changed the problem, whose residual is renewed
 
     def solve(self, load, predict=False, confirm=False) -> NewtonResult:
-        """Balance the line loads ``(Q, P)``, P > 0.
+        """Balance the line loads ``load`` (loading.schedule.Load), P > 0.
 
         predict: start with a step in which all points in contact stick; confirm: one more iteration after the last, to
         see whether contact states still change.
@@ -201,7 +201,7 @@ class Newton:
         return NewtonResult(balanced, 0, *self._norms, reason, self._tolerance)
 
     def _begin(self, load):
-        self._scale = abs(load[1])
+        self._scale = load.P
         self.system.begin(load, self.x)
         attainable = ROUND_OFF * self.system.problem.terms.round_off() / self._scale
         self._tolerance = min(max(self._wanted, attainable), ATTAINABLE)

@@ -13,8 +13,8 @@ from mpi4py import MPI
 
 from ..command.command import comm, on_root, run, say
 from ..output.files import write_table, write_text
-from ..run.comparison import relative_l2
-from ..run.simulation import Simulation
+from ..runs.comparison import relative_l2
+from ..runs.simulation import Simulation
 from ..scene import DEFAULT_SCENE, SceneError, parse
 from .commandline import make_folders, study_parser
 

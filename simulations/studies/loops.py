@@ -16,7 +16,7 @@ ATTEMPTS = ((4, 100), (4, 130), (5, 110), (7, 100), (10, 100))
 POINTS = 2001  # at which the energy density is summed up
 
 
-def programme(P: float, Q_A: float, quarter: int, cycles: int) -> list[tuple[float, float]]:
+def schedule(P: float, Q_A: float, quarter: int, cycles: int) -> list[tuple[float, float]]:
     """Loads (P, Q): pressing, first loading to +Q_A, then cycles to -Q_A and back, ``quarter`` steps per Q_A."""
     increments = pressing(P) + rocking(P, Q_A, cycles, quarter)
     return [(increment.P, increment.Q) for increment in increments]
@@ -88,7 +88,7 @@ def simulate(
     for quarter, nodes in attempts:
         solver = HalfPlaneContact(solid, profile, mu=mu, coupling=coupling, nodes=nodes)
         try:
-            states = solver.run(programme(P, amplitude * mu * P, quarter, cycles))
+            states = solver.run(schedule(P, amplitude * mu * P, quarter, cycles))
         except ContactNotConverged as reason:
             failure = reason
         else:

@@ -18,12 +18,12 @@ from mpi4py import MPI
 from ..command.command import comm, on_root, run, say
 from ..loading.stepping import SolveError
 from ..output.files import write_table, write_text
-from ..run.checks import check, drift, still_changing
-from ..run.comparison import compare
-from ..run.energy import EnergyMeter, worst_defect
-from ..run.reference import NoReference, of_same_physics
-from ..run.simulation import Simulation
-from ..run.springs import Springs
+from ..runs.checks import check, drift, still_changing
+from ..runs.comparison import compare
+from ..runs.energy import EnergyMeter, worst_defect
+from ..runs.reference import NoReference, of_same_physics
+from ..runs.simulation import Simulation
+from ..runs.springs import Springs
 from ..scene import Scene, SceneError, make_scene
 from .commandline import make_folders, study_parser
 from .engine import FAILED as NO_ROW
@@ -74,7 +74,7 @@ def solve(values: dict) -> dict:
 
 def _measure(scene: Scene) -> dict:
     simulation = Simulation(MPI.COMM_SELF, scene)
-    simulation.solver.confirms = True
+    simulation.solver.configure(confirm=True)
     meter = EnergyMeter(simulation.body)
     for entry in simulation.run():
         meter.read(entry)

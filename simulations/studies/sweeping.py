@@ -17,8 +17,8 @@ from mpi4py import MPI
 from ..output.files import write_table
 from ..output.folder import begin
 from ..output.results import Results
-from ..run import checks, comparison, reference
-from ..run.simulation import Simulation
+from ..runs import checks, comparison, reference
+from ..runs.simulation import Simulation
 from ..scene import DEFAULT_SCENE, Scene, SceneError, parse
 from ..scene.effects import Effects
 from .engine import FAILED, Item, Row, run_all

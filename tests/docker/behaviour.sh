@@ -6,7 +6,7 @@
 set -uo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd -P)
 run=$root/docker/run
-base=$HOME
+base=~
 [[ ! ${GRADED_FRETTING_STACK-} ]] || base=/tmp
 work=$(mktemp -d "$base/docker run.XXXXXX") # with a space, outside the checkout
 scratch=$(mktemp -d /tmp/docker-run.XXXXXX)
@@ -38,11 +38,13 @@ within() { (cd "$1" && shift && "$@"); }
 
 own_folder() {
     echo one >"$work/own/scene.toml"
-    [[ $(within "$work/own" "$run" sh -c 'pwd; cat scene.toml; echo two >made') == "$work/own"$'\n'one ]] && mine "$work/own/made"
+    [[ $(within "$work/own" "$run" sh -c 'pwd; cat scene.toml; echo two >made') == "$work/own"$'\n'one ]] &&
+        mine "$work/own/made"
 }
 output() { within "$work/own" "$run" sh -c 'mkdir -p "$0" && echo x >"$0/file"' "$1" && mine "$2/file"; }
 output_option() {
-    within "$work/own" "$run" sh -c 'echo x >"${0#--output=}"' "--output=$work/other/option" && mine "$work/other/option"
+    within "$work/own" "$run" sh -c 'echo x >"${0#--output=}"' "--output=$work/other/option" &&
+        mine "$work/other/option"
 }
 replaced() { # a folder given by name may be renamed and made again
     mkdir -p "$work/other/run" && echo x >"$work/other/run/x"
@@ -58,11 +60,14 @@ linked() {
 }
 asked_for() {
     echo x >"$work/other/x"
-    within "$work/own" "$run" --mount "$work/other" --mount="$work/linked" sh -c "cat '$work/other/x'; ls '$work/linked'"
+    "$run" --mount "$work/other" --mount="$work/linked" sh -c "cat '$work/other/x' && ls '$work/linked'"
 }
 unasked() { ! within "$work/own" "$run" sh -c "cat '$work/other/x'"; }
 nothing_lost() { ! "$run" sh -c 'echo x >/var/tmp/lost || echo x >/opt/lost || mkdir /lost'; }
-in_tmp() { echo x >"$scratch/x" && "$run" cat "$scratch/x" && within "$scratch" "$run" sh -c 'echo y >y' && mine "$scratch/y"; }
+in_tmp() {
+    echo x >"$scratch/x"
+    "$run" cat "$scratch/x" && within "$scratch" "$run" sh -c 'echo y >y' && mine "$scratch/y"
+}
 new_in_tmp() {
     local new
     new=$(mktemp -du /tmp/new.XXXXXX)
@@ -94,6 +99,16 @@ together() {
     "$run" mpirun -n 2 sh -c 'sleep 1; echo x >>second' & second=$!
     wait "$first" && wait "$second" && [[ $(wc -l <first) == 2 && $(wc -l <second) == 2 ]]
 }
+moved() { # a record that differs is named, in the form of /opt/stack/moved.txt
+    cp "$root/docker/check-versions" . && sed 's/^gmsh=.*/gmsh=1.0-1/' "$root/docker/versions.txt" >versions.txt
+    "$run" ./check-versions --moved >moved.txt && grep -E '^gmsh 1\.0-1 4\.' moved.txt
+}
+dated() { # the sources of a dated archive
+    local archive='^deb \[.*\] http://snapshot.debian.org/archive/debian(-security)?/20260801T000000Z trixie'
+    [[ $("$root/docker/install-stack" --sources 20260801T000000Z | grep -cE "$archive") == 3 ]] &&
+        ! "$root/docker/install-stack" --sources yesterday
+}
+
 cat >"$work/own/tell.py" <<'PROGRAM' # tells which signal it got, and ends by itself
 import signal, sys, time
 def tell(number, frame):
@@ -142,6 +157,8 @@ check "standard input arrives" input
 check "standard input arrives at rank 0" rank_input
 check "the exit status arrives" status
 check "two runs at once" together
+check "a package whose version moved is named" moved
+check "a dated archive's sources" dated
 check "SIGINT ends the command" signalled 2
 check "Ctrl-C in a terminal ends the command" typed
 check "SIGTERM ends the command" signalled 15
@@ -162,7 +179,8 @@ if [[ ${1-} == --jobs ]]; then
     cp "$root/scenes/homogeneous.toml" scene.toml
     check "a scene of one's own, output beside it" "$run" python -m simulations.indentation --output results
     check "which belongs to the caller" mine results/summary.json
-    check "two ranks, own scene, output elsewhere" "$run" mpirun -n 2 python -m simulations.fretting scene.toml --output ../other/fretting
+    check "two ranks, own scene, output elsewhere" \
+        "$run" mpirun -n 2 python -m simulations.fretting scene.toml --output ../other/fretting
     check "which belongs to the caller, too" mine ../other/fretting/summary.json
     check "a script of the checkout" "$run" python "$root/examples/profiles.py" picture.png
     check "whose picture belongs to the caller" mine picture.png

@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
 # tests/docker/engines.sh   which engine docker/run takes, with stand-ins for Docker and Podman
 #
-# A stand-in answers as it is told (FAKE_DOCKER, FAKE_PODMAN: forbidden, stopped, broken, works); one
+# A stand-in answers as it is told (FAKE_DOCKER, FAKE_PODMAN: forbidden, stopped, broken, lame, works); one
 # that works runs the command on the host. No image is built. Ends with the number of failures.
 set -uo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd -P)
 [[ ! ${GRADED_FRETTING_STACK-} ]] || { echo "only outside the stack" && exit 1; }
-work=$(mktemp -d "$HOME/engines.XXXXXX")
+work=$(mktemp -d ~/engines.XXXXXX)
 trap 'rm -rf "$work"' EXIT
 export XDG_CACHE_HOME=$work/cache
 cat >"$work/docker" <<'STAND_IN'
@@ -18,7 +18,8 @@ stopped.*) echo 'Cannot connect to the Docker daemon. Is the docker daemon runni
 broken.build) echo "runtime of $name not found" >&2; exit 125 ;;
 *.info) echo rootless: true ;;
 *.image) [[ -e $XDG_CACHE_HOME/$name.built ]] ;;
-works.build) echo x >"$XDG_CACHE_HOME/$name.built" ;;
+lame.run) echo "$name: no working runtime" >&2; exit 126 ;;
+*.build) echo x >"$XDG_CACHE_HOME/$name.built" ;;
 works.run) while [[ $1 != graded-fretting:* ]]; do shift; done; shift; echo "by $name"; exec "$@" ;;
 esac
 STAND_IN
@@ -39,12 +40,15 @@ expect() {
 expect "Docker is taken first" works works "*by docker"$'\n'done
 expect "Podman is taken where Docker is stopped" stopped works "*by podman"$'\n'done
 expect "no permission for Docker is told from" forbidden stopped \
-    "docker/run: docker is here, but you may not use it (permission denied*podman is here, but does not answer*needs FEniCSx*"
+    "docker/run: docker is here, but you may not use it (permission denied*podman is here*needs FEniCSx*"
 expect "a stopped Docker" stopped stopped \
     "docker/run: docker is here, but does not answer*podman is here, but does not answer*needs FEniCSx*"
 rm -f "$work/cache/docker.built"
 expect "an engine that cannot build is passed over, and why" broken works \
     "*not by docker, which cannot build or run the image: runtime of docker not found*by podman"$'\n'done
 expect "and not tried again at once" broken works "docker/run: not by docker: it could not build*by podman"$'\n'done
+rm -f "$work"/cache/*.built "$work"/cache/graded-fretting/passed-over.*
+expect "nor one that builds and cannot run" lame works \
+    "*not by docker, which cannot build or run the image: docker: no working runtime*by podman"$'\n'done
 echo "$failures failed"
 exit "$failures"

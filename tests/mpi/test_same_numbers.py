@@ -4,7 +4,7 @@ import pytest
 from conftest import coarse_overrides
 from mpi4py import MPI
 
-from simulations.run.simulation import Simulation
+from simulations.runs.simulation import Simulation
 from simulations.scene import DEFAULT_SCENE, parse
 
 comm = MPI.COMM_WORLD

@@ -14,8 +14,12 @@ from simulations.output import lock
 from simulations.output.files import OutputError
 from simulations.output.folder import writable
 from simulations.output.lock import Lock, Locked
+<<<<<<< HEAD
 from simulations.output.results import Results
 from simulations.run.checks import Check
+=======
+from simulations.runs.checks import Check
+>>>>>>> main
 from simulations.scene import SceneError
 
 QUICK = {"load__cycles": 0, "solver__increments": 1, "reference__kind": '"none"'}
@@ -198,7 +202,7 @@ def test_a_folder_that_disappears(tmp_path, monkeypatch):
 @pytest.mark.parametrize("ranks", [1, 2])
 def test_checks_that_fail_are_a_failure(tmp_path, ranks):
     """An exit code of its own, said under --quiet too; the results are there, and their summary says so."""
-    code = "import simulations.run.checks as c; c.OPEN = -1.0; from simulations.command.command import run; "
+    code = "import simulations.runs.checks as c; c.OPEN = -1.0; from simulations.command.command import run; "
     code += f"import sys; sys.argv = ['x', *{arguments(tmp_path / 'run')!r}]; "
     code += "from simulations.fretting import main; run(main)"
     words = [sys.executable, "-c", code]

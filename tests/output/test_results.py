@@ -8,10 +8,10 @@ import meshio
 import numpy as np
 import pytest
 from conftest import coarse_arguments, run_command
-from solving import of_the_closed_form
+from solving import limit_stepping, of_the_closed_form
 
 from simulations import fretting
-from simulations.loading.stepping import LoadProgramme, SolveError
+from simulations.loading.stepping import SolveError
 from simulations.scene import language, parse
 
 
@@ -165,9 +165,8 @@ def test_failed_solve_says_why(tmp_path, ranks):
 
 def test_failed_solve_keeps_what_it_had(tmp_path, monkeypatch):
     """Without its cures Newton cycles in the middle of a strongly coupled loop; the states before that are kept."""
-    monkeypatch.setattr("simulations.run.plan.expected_edges", of_the_closed_form)
-    monkeypatch.setattr("simulations.loading.stepping.MAX_CUTS", 0)
-    monkeypatch.setattr(LoadProgramme, "_guarded", LoadProgramme._fixed_point)
+    monkeypatch.setattr("simulations.runs.plan.expected_edges", of_the_closed_form)
+    limit_stepping(monkeypatch, halvings=0, fallbacks=("Newton", "fixed point"))
     mesh = {"mesh__facet": 0.05, "mesh__growth": 1.5, "mesh__edge_facet": 4e-3, "mesh__first_layer": 4e-3}
     hard = mesh | {"mesh__layer_growth": 1.5, "solver__increments": 6, "solid__k": -0.5, "solid__nu": 0.3}
     with pytest.raises(SolveError, match="Newton cycles"):

@@ -9,7 +9,7 @@ from mpi4py import MPI
 
 from forms.contact import BACKWARD, CLOSED, FORWARD, OPEN, X, Y
 from simulations.fem.contact_problem import ContactProblem, Nitsche
-from simulations.run.simulation import Simulation
+from simulations.runs.simulation import Simulation
 from simulations.scene import DEFAULT_SCENE, parse
 from simulations.solvers.condensed.surface_compliance import SurfaceCompliance
 from simulations.solvers.condensed.system import CondensedSystem

@@ -10,7 +10,7 @@ from matplotlib import pyplot as plt
 from mpi4py import MPI
 from scipy.special import hyp2f1
 
-from simulations.run.simulation import Simulation
+from simulations.runs.simulation import Simulation
 from simulations.studies.figures import FIGURES, lines
 from simulations.studies.paper import comparisons, distributions, energies
 from simulations.studies.paper.elements import Deviation, Runs

@@ -7,17 +7,17 @@ import numpy as np
 import pytest
 from conftest import coarse_arguments, run_command
 from mpi4py import MPI
-from solving import coarse_simulation, solved
+from solving import coarse_simulation, limit_stepping, solved
 
 from simulations.fem import body
-from simulations.loading.pinning import HeldPoint
-from simulations.loading.stepping import LoadProgramme, SolveError
-from simulations.run import checks
-from simulations.run import expected_edges as edges
-from simulations.run.energy import EnergyMeter, worst_defect
-from simulations.run.limits import expected_error
-from simulations.run.simulation import Simulation
-from simulations.scene import SceneError, effects, make_scene
+from simulations.loading.pinning import PinnedPoint
+from simulations.loading.stepping import SolveError
+from simulations.runs import checks
+from simulations.runs import expected_edges as edges
+from simulations.runs.energy import EnergyMeter, worst_defect
+from simulations.runs.limits import expected_error
+from simulations.runs.simulation import Simulation
+from simulations.scene import SceneError, make_scene
 from simulations.solvers import newton
 from simulations.solvers.condensed import tangent
 from simulations.solvers.condensed.tangent import DenseTangent
@@ -42,27 +42,24 @@ def test_contact_terms_are_integrated_at_the_nodes(monkeypatch):
     thin = {"solver__method": "full", "mesh__facet": 0.2, "mesh__first_layer": 1e-3, "solver__increments": 1}
     solved(**thin)
     monkeypatch.setattr(body, "SURFACE_RULE", {"quadrature_degree": 4})
-    monkeypatch.setattr("simulations.loading.stepping.MAX_CUTS", 0)
+    limit_stepping(monkeypatch, halvings=0)
     with pytest.raises(SolveError):
         solved(**thin)
 
 
 def test_increments_start_with_all_points_sticking(monkeypatch):
     """Without the predictor reversals make the tangent singular; no other safeguard is needed with it."""
-    failed = newton.NewtonResult(False, 0, np.inf, np.inf, "not tried")
-    for safeguard in ("_guarded", "_fixed_point"):
-        monkeypatch.setattr(LoadProgramme, safeguard, lambda self, load, *results: failed)
-    monkeypatch.setattr("simulations.loading.stepping.MAX_CUTS", 0)
+    limit_stepping(monkeypatch, halvings=0, fallbacks=("Newton",))
     solved()
     solve = newton.Newton.solve
-    monkeypatch.setattr(newton.Newton, "solve", lambda self, load, predict=None, **how: solve(self, load, **how))
+    monkeypatch.setattr(newton.Newton, "solve", lambda self, load, predict=False, **how: solve(self, load, **how))
     with pytest.raises(SolveError, match=r"unloading.*singular"):
         solved()
 
 
 def test_near_incompressibility_chatters_without_the_mean_stress(monkeypatch):
     mixed = iterations(solid__nu=0.49, solid__k=0.0)
-    monkeypatch.setattr(effects, "LOCKING", 0.499)
+    monkeypatch.setattr("simulations.scene.scene.LOCKING", 0.499)
     assert iterations(solid__nu=0.49, solid__k=0.0) > 2 * mixed
 
 
@@ -77,11 +74,11 @@ def test_tolerance_follows_round_off(monkeypatch):
 
 
 def test_first_contact_has_facets_enough(monkeypatch):
-    """Pressed on with little friction, few points all slide at first, and one has to be held; of more some stick."""
-    monkeypatch.setattr(HeldPoint, "update", lambda self: False)
+    """Pressed on with little friction, few points all slide at first, and one has to be pinned; of more some stick."""
+    monkeypatch.setattr(PinnedPoint, "update", lambda self: False)
     scene = {"solid__k": -0.5, "solid__nu": 0.3, "load__mu": 0.01, "effects__friction_in_normal_stage": "true"}
     simulation = solved(**scene)
-    assert len(simulation.history.entries) == len(simulation.programme)
+    assert len(simulation.history.entries) == len(simulation.schedule)
     monkeypatch.setattr(edges, "FIRST", 0.5)
     with pytest.raises(SolveError, match="singular"):
         solved(**scene)
@@ -101,11 +98,11 @@ def wiggles(**changes) -> float:
     return max(found[name].value for name in ("pressure wiggles", "traction wiggles"))
 
 
-def test_newcomers_stop_where_their_edge_passed(monkeypatch):
-    """Pressed on with friction: anchored all where the increment began they leave a tooth of traction an increment."""
+def test_entering_points_are_anchored_where_the_edge_passed_them(monkeypatch):
+    """Pressed on with friction: anchored where the load step began they leave a tooth of traction a load step."""
     pressed = {"solid__nu": 0.3, "effects__friction_in_normal_stage": "true", "load__cycles": 0}
     assert wiggles(**pressed) < checks.WIGGLES
-    monkeypatch.setattr("simulations.loading.stepping.SETTLINGS", 0)
+    limit_stepping(monkeypatch, anchor_passes=0)
     assert wiggles(**pressed) > 2 * checks.WIGGLES
 
 
@@ -130,19 +127,19 @@ def test_steps_are_refined(monkeypatch):
         solved(**box, load__cycles=0)
 
 
-def test_last_point_that_sticks_is_held(monkeypatch):
+def test_last_point_that_sticks_is_pinned(monkeypatch):
     """Under a constant Q the contact shrinks until all but one point slide, towards each other."""
 
     def shrunk():
         return Simulation(MPI.COMM_SELF, make_scene(SHRINKING, base=None)).run_to_end()
 
-    assert shrunk().history.entries[-1].increment.load == pytest.approx((0.1, 0.5))
-    monkeypatch.setattr(HeldPoint, "update", lambda self: False)
+    assert shrunk().history.entries[-1].increment.load == pytest.approx((0.5, 0.1))
+    monkeypatch.setattr(PinnedPoint, "update", lambda self: False)
     with pytest.raises(SolveError, match="singular"):
         shrunk()
 
 
-def test_held_point_on_any_ranks_by_either_method(tmp_path):
+def test_pinned_point_on_any_ranks_by_either_method(tmp_path):
     scene = tmp_path / "shrinking.toml"
     scene.write_text("".join(f"{key} = {json.dumps(value)}\n" for key, value in SHRINKING.items()))
     ends = []
@@ -213,9 +210,9 @@ def test_expected_error_is_about_the_measured_one(k, measured):
 def test_too_many_unknowns(monkeypatch, degree):
     """The limit is met to the unknown, at every degree; a mixed form's mean stress comes on top."""
     unknowns = coarse_simulation(mesh__degree=degree).body.unknowns
-    monkeypatch.setattr("simulations.run.limits.MOST_UNKNOWNS", unknowns)
+    monkeypatch.setattr("simulations.runs.limits.MOST_UNKNOWNS", unknowns)
     coarse_simulation(mesh__degree=degree)
-    monkeypatch.setattr("simulations.run.limits.MOST_UNKNOWNS", unknowns - 1)
+    monkeypatch.setattr("simulations.runs.limits.MOST_UNKNOWNS", unknowns - 1)
     with pytest.raises(SceneError, match="too fine"):
         coarse_simulation(mesh__degree=degree)
 

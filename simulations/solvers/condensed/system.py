@@ -43,10 +43,10 @@ class CondensedSystem:
 
     def begin(self, load, x):
         """Prescribe the line loads and fill ``x`` with the forces of the present state."""
-        self._load = np.asarray(load)
+        self._load = np.asarray(load.components)
         compliance, body = self.compliance, self.problem.body
         held = None if self.problem.held is None else self.problem.held.forces
-        body.set_far_field(load)
+        body.set_far_field(load.components)
         if held is not self._held[0]:
             collected = compliance.collect(held[compliance.surface])
             self._held = held, compliance.matrix((Y,)).apply(collected) if self._is_root else None

@@ -16,9 +16,9 @@ from forms.depth_map import DepthMap
 
 from ...fem.mesh import Grading, columns, layers
 from ...loading.schedule import rocking
-from ...run.comparison import relative_l2
-from ...run.expected_edges import half_plane_solver
-from ...run.mesh_free import NODES
+from ...runs.comparison import relative_l2
+from ...runs.expected_edges import half_plane_solver
+from ...runs.mesh_free import NODES
 from ...scene import parse
 from ...scene.effects import Effects
 from ...scene.scaling import Scaled
@@ -39,18 +39,18 @@ def measure(case: Case) -> dict:
     edges = -scaled.contact.a, -0.317, 0.317, scaled.contact.a
     layer_growth, extent, is_mixed = GETFEM[t]
     grading = Grading(edges, 0.025 * t, edge, 1.6, edge, layer_growth, extent)
-    programme = rocking(1.0, 0.9 * scene.load.mu, 1, QUARTER)
+    schedule = rocking(1.0, 0.9 * scene.load.mu, 1, QUARTER)
     wall, cpu = time.perf_counter(), time.process_time()
     try:
-        unknowns, states = _loop(scene, scaled, grading, is_mixed, programme)
+        unknowns, states = _loop(scene, scaled, grading, is_mixed, schedule)
         row = {"unknowns": unknowns, "surface_nodes": len(states[0]["x"]), "increments": len(states)}
         row |= {"wall_s": time.perf_counter() - wall, "cpu_s": time.process_time() - cpu}
-        return row | _errors(scene, scaled, programme, states)
+        return row | _errors(scene, scaled, schedule, states)
     except RuntimeError as error:
         return {"failure": str(error).splitlines()[0][:200]}
 
 
-def _loop(scene, scaled, grading, is_mixed, programme):
+def _loop(scene, scaled, grading, is_mixed, schedule):
     """Number of unknowns, and after each increment x, weight, p, q and slip at the contact's P2 nodes."""
     getfem.util("trace level", 0)
     getfem.util("warning level", 0)
@@ -109,11 +109,11 @@ def _loop(scene, scaled, grading, is_mixed, programme):
         if not converged:
             raise RuntimeError(f"not converged at P = {P:g}, Q = {Q:g}")
 
-    states = _states(model, mesh, u, programme, solve, scene.load.mu)
+    states = _states(model, mesh, u, schedule, solve, scene.load.mu)
     return model.nbdof(), states
 
 
-def _states(model, mesh, u, programme, solve, mu):
+def _states(model, mesh, u, schedule, solve, mu):
     on_top = u.basic_dof_on_region(CONTACT)[::2]
     x = u.basic_dof_nodes()[0, on_top]
     order = np.argsort(x)
@@ -137,7 +137,7 @@ def _states(model, mesh, u, programme, solve, mu):
     rest, states = relative()[on_top], []
     model.set_variable("f", [mu])
     model.set_variable("pin", [0.0])  # without friction nothing else holds the cylinder
-    for increment in programme:
+    for increment in schedule:
         model.set_variable("s0", _slip_data(relative()))
         solve(increment.P, increment.Q)
         states.append(state() | {"slip": relative()[on_top] - rest})
@@ -151,10 +151,10 @@ def _slip_data(relative):
     return data
 
 
-def _errors(scene, scaled, programme, states):
+def _errors(scene, scaled, schedule, states):
     """Against the mesh-free solver with the same coupling, at the last state and over the cycle."""
     solver = half_plane_solver(scene, scaled, Effects(scene), nodes=NODES[0])
-    exact = solver.run([(1.0, 0.0)] + [increment.load[::-1] for increment in programme])
+    exact = solver.run([(1.0, 0.0)] + [increment.load for increment in schedule])
     last, end = states[-1], exact[-1]
     field = {
         name: np.interp(last["x"], end.x, getattr(end, name), left=0.0, right=0.0)

@@ -6,9 +6,9 @@ import time
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from ...run import reference
-from ...run.comparison import compare
-from ...run.simulation import Simulation
+from ...runs import reference
+from ...runs.comparison import compare
+from ...runs.simulation import Simulation
 from ...scene import parse
 from ...solvers.newton import bulk_solver
 from .cases import Case

@@ -152,15 +152,16 @@ def sources(rows):
 
 def pareto(rows):
     """Largest error against seconds: every case of one rank, and those that nothing beats in both."""
+    studies = ("fineness", "degree", "one at a time", "method", "peer")
+    rows = [row for row in rows if row["study"] in studies]
     problems = [
         problem for problem in COLOURS if any(row["problem"] == problem for row in rows) and problem != "GetFEM"
     ]
-    studies = ("fineness", "degree", "one at a time", "method", "peer")
     if not problems:
         return None
     figure, axis = plt.subplots(figsize=(6.4, 5.0), layout="constrained")
     for problem in problems:
-        mine = [row for row in rows if row["problem"] == problem and row["study"] in studies and row["ranks"] == 1]
+        mine = [row for row in rows if row["problem"] == problem and row["ranks"] == 1]
         points = sorted((row["cpu_s"], row["largest"]) for row in mine)
         if points:
             axis.loglog(*zip(*points), MARKERS[problem], color=COLOURS[problem], alpha=0.3, markersize=4)

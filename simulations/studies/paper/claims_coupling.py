@@ -9,7 +9,7 @@ import numpy as np
 from analytic import PowerProfile
 from analytic.half_plane.linear import ContactNotConverged
 
-from ...run.comparison import relative_l2
+from ...runs.comparison import relative_l2
 from ..engine import FAILED, Item, run_all
 from ..loops import SimulatedLoop, simulate
 from .claim import Claim, minus_signs, verdict

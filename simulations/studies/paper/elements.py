@@ -7,8 +7,8 @@ import numpy as np
 from analytic import CylinderContact
 
 from ...fem.mesh import Grading
-from ...run.comparison import relative_l2
-from ...run.simulation import Simulation
+from ...runs.comparison import relative_l2
+from ...runs.simulation import Simulation
 from ...scene import Scene, make_scene
 from ...scene.scaling import Scaled
 from .setting import MU, Units, own_units

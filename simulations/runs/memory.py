@@ -10,10 +10,10 @@ from ..fem.body import Y
 from ..fem.numbering import Numbering
 
 if TYPE_CHECKING:
-    from ..loading.stepping import LoadProgramme
+    from ..loading.stepping import LoadStepping
 
 
-def save(solver: LoadProgramme, numbering: Numbering) -> dict[str, np.ndarray] | None:
+def save(solver: LoadStepping, numbering: Numbering) -> dict[str, np.ndarray] | None:
     """Everything that the next increment depends on, by name, on rank 0; None on the others."""
     body, problem = solver.body, solver.problem
     memory = {"delta": body.delta.value.copy(), "forces": solver.system.last_forces()}
@@ -32,7 +32,7 @@ def save(solver: LoadProgramme, numbering: Numbering) -> dict[str, np.ndarray] |
     return memory if body.mesh.comm.rank == 0 else None
 
 
-def restore(memory: dict[str, np.ndarray], solver: LoadProgramme, numbering: Numbering):
+def restore(memory: dict[str, np.ndarray], solver: LoadStepping, numbering: Numbering):
     """Put back ``save``'s memory, which every rank has, for the stage that ``solver`` stands at."""
     body, problem = solver.body, solver.problem
     body.delta.value[:] = memory["delta"]

@@ -63,7 +63,7 @@ def expected_edges(
 ) -> ExpectedEdges:
     """From the closed form or, where it is another problem, from a rough half-plane solution.
 
-    loads: (P, Q) of the programme, the first with Q = 0.
+    loads: (P, Q) of the schedule, the first with Q = 0.
     """
     if scene.contact_has_closed_form:
         contact = scaled.contact
@@ -84,7 +84,7 @@ def expected_edges(
 
 
 def _rough_edges(scene, scaled, effects, loads):
-    """Of a loop where it turns, of other programmes at every load, the last first."""
+    """Of a loop where it turns, of other schedules at every load, the last first."""
     solver = half_plane_solver(scene, scaled, effects, NODES)
     if scene.is_loop:
         Q_A = scene.load.amplitude * solver.mu

@@ -14,7 +14,7 @@ COARSER = 2.0  # times the fineness
 
 
 class Solved:
-    """Another run of the same programme as reference, between its nodes interpolated."""
+    """Another run of the same schedule as reference, between its nodes interpolated."""
 
     name = "finer mesh"
 

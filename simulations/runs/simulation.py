@@ -1,4 +1,4 @@
-"""From a scene to states: mesh, contact problem and load programme put together. No files."""
+"""From a scene to states: mesh, contact problem and load schedule put together. No files."""
 
 from collections.abc import Iterator
 from functools import cached_property
@@ -11,7 +11,7 @@ from ..fem.mesh import Grading, columns, create_mesh, layers
 from ..fem.numbering import Numbering
 from ..fem.parallel import on_root
 from ..fem.surface import SurfaceSampler
-from ..loading.stepping import LoadProgramme, SolveError
+from ..loading.stepping import LoadStepping, SolveError
 from ..scene import Scene
 from ..solvers.condensed.surface_compliance import SurfaceCompliance
 from ..solvers.condensed.system import CondensedSystem
@@ -75,7 +75,7 @@ class Simulation(Meshed):
             if scene.friction:
                 directions = (X, Y) if "coupling" in self.effects else (X,)
                 frictional = ContactProblem(self.body, indenter.height, nitsche, directions, self.mu)
-        self.solver = LoadProgramme(
+        self.solver = LoadStepping(
             normal, frictional, self._system, "friction in normal stage" in self.effects, tolerance
         )
         self.body.delta.value[Y] = indenter.height(1.0)  # overlap on |x| < a: where Newton starts
@@ -117,7 +117,7 @@ class Simulation(Meshed):
 
     def run(self) -> Iterator[Entry]:
         """Solve increment after increment, from where the history ends; SolveError where one fails."""
-        outcomes = self.solver.run(self.programme, len(self.history.entries))
+        outcomes = self.solver.run(self.schedule, len(self.history.entries))
         while True:
             try:
                 with self.watch("solve"):
@@ -171,12 +171,12 @@ class Simulation(Meshed):
 def failure_in_si(simulation: Simulation, reason) -> str:
     """Why the next increment failed, with its loads in SI units and the keys of the scene that they come from."""
     scene, unit, number = simulation.scene, simulation.scaled.scales.line_load, len(simulation.history.entries)
-    increment = simulation.programme[number]
-    Q, P = getattr(reason, "load", None) or increment.load
+    step = simulation.schedule[number]
+    P, Q = getattr(reason, "after", None) or step.load
     loads = f"P = {P * unit:.4g} N/m, Q = {Q * unit:.4g} N/m"
     keys = ", ".join(f"load.{name} = {value:g}" for name, value in scene.load if name in ("P", "amplitude", "mu"))
-    place = f"increment {number + 1} of {len(simulation.programme)}, {increment.branch}"
-    return f"{loads} ({place}; {keys or 'load.points'}): {reason}"
+    place = f"load step {number + 1} of {len(simulation.schedule)}, {step.branch}"
+    return f"{loads} ({place}; {keys or 'load.points'}): {getattr(reason, 'reason', reason)}"
 
 
 def reuse_reason(previous: Simulation, scene: Scene) -> str | None:

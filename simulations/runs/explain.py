@@ -17,5 +17,5 @@ def explain(simulation: Simulation) -> str:
             lines.append(f"{stage:26s} {unknown}, {len(problem.directions)} rigid displacement(s), {solver} Newton")
     edges = ", ".join(f"{edge:.4g}" for edge in simulation.cells.edges if edge > 0)
     lines.append(f"{'surface nodes':26s} {simulation.sampler.x.size}, graded to x/a = ±{edges}")
-    lines.append(f"{'increments':26s} {len(simulation.programme)}")
+    lines.append(f"{'increments':26s} {len(simulation.schedule)}")
     return "\n".join(lines)

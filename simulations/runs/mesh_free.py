@@ -9,6 +9,7 @@ from analytic.half_plane.state import ContactState
 from .expected_edges import half_plane_solver
 from .history import Entry
 from .simulation import Simulation
+from .springs import last_cycle
 
 Tell = Callable[[int, int], None]  # load steps done, and all of them
 NODES = (400, 300)  # the next number is tried where one does not converge
@@ -29,7 +30,7 @@ class MeshFree:
 
     def __init__(self, simulation: Simulation, tell: Tell | None = None):
         friction_first = "friction in normal stage" in simulation.effects
-        loads, places = refined([(step.P, step.Q) for step in simulation.programme], friction_first)
+        loads, places = refined([(step.P, step.Q) for step in simulation.schedule], friction_first)
         failure = None
         for nodes in NODES:
             try:
@@ -46,7 +47,7 @@ class MeshFree:
         else:
             raise NoReference(str(failure))
         self._states = [states[place] for place in places]
-        self._schedule = simulation.programme
+        self._schedule = simulation.schedule
 
     def _at(self, entry: Entry) -> ContactState:
         return self._states[entry.number]
@@ -78,9 +79,7 @@ class MeshFree:
 
     def dissipated_energy(self):
         """Of the last full cycle, where there is none since first contact."""
-        cycle = self._schedule[-1].cycle
-        before = [state for state, step in zip(self._states, self._schedule) if step.cycle < cycle]
-        return self._states[-1].dissipated_energy - (before[-1].dissipated_energy if before else 0.0)
+        return last_cycle(self._states, self._schedule)
 
 
 def refined(loads: list[tuple[float, float]], friction_first: bool) -> tuple[list[tuple[float, float]], list[int]]:

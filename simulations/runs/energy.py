@@ -63,7 +63,7 @@ class EnergyMeter:
         now = {
             "stored": body.symmetry_factor * u.dot(force) / 2,
             "boundary": (body.symmetry_factor * force.array_r[far], u.array_r[far].copy()),
-            "indenter": (np.array(load.load), surface.delta),
+            "indenter": (np.array(load.load.components), surface.delta),
             "friction": (surface.weight * surface.traction, surface.relative_displacement),
             "gap": (surface.weight * surface.pressure, surface.u[Y] - surface.delta[Y]),
         }

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from solving import deviations, solved
 
-from simulations.run import reference
-from simulations.run.comparison import compare, compare_state
+from simulations.runs import reference
+from simulations.runs.comparison import compare, compare_state
 from simulations.scene import DEFAULT_SCENE
 
 MEDIUM = {
@@ -75,5 +75,5 @@ def test_any_path_of_loads_with_varying_pressure(coupling):
     traction = [compare_state(entry, other).get("traction_l2", 0.0) for entry in simulation.history.entries]
     assert max(traction[:7]) < 5e-3 and traction[-1] < 2e-2
     P = [entry.surface.line_load(entry.surface.pressure) for entry in simulation.history.entries]
-    assert P == pytest.approx([increment.P for increment in simulation.programme], rel=1e-8)
+    assert P == pytest.approx([increment.P for increment in simulation.schedule], rel=1e-8)
     assert np.ptp(P) == pytest.approx(0.4)

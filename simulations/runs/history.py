@@ -5,15 +5,16 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..fem.surface import SurfaceState, fitted_contact_edges, fitted_stick_edges
-from ..loading.schedule import Increment
+from ..loading.schedule import LoadStep
 from ..loading.stepping import Outcome
+from .frictional_work import Moment, frictional_work
 
 
 @dataclass(frozen=True)
 class Entry:
     """State at the end of an increment (dimensionless) and what it took."""
 
-    increment: Increment
+    increment: LoadStep
     surface: SurfaceState
     slip: np.ndarray  # (n,) u_x - delta_x since tangential loading began
     contact: tuple[float, float]  # edges of the contact
@@ -39,16 +40,6 @@ class Entry:
         return float(self.stick[1] - self.stick[0]) / 2
 
 
-def frictional_work(before: SurfaceState, after: SurfaceState) -> float:
-    """Energy dissipated in an increment:  -∫ q Δs dx  with the mean of the pressures before and after in q = ±mu p.
-
-    A point slides at its limit, however late in the increment it began to; only the limit may change meanwhile.
-    """
-    moved = after.relative_displacement - before.relative_displacement
-    pressure = np.where(after.pressure > 0, after.pressure, np.inf)
-    return -after.line_load(after.traction * moved * (1 + before.pressure / pressure) / 2)
-
-
 @dataclass
 class History:
     """Entries of a run so far. k and mu are the grading and the coefficient of friction (0: no tangential problem)."""
@@ -59,14 +50,13 @@ class History:
 
     def append(self, outcome: Outcome, surface: SurfaceState, seconds: float) -> Entry:
         """Add the state that ``outcome`` ended with."""
-        increment, s = outcome.increment, surface.relative_displacement
+        increment, s = outcome.step, surface.relative_displacement
         contact = fitted_contact_edges(surface, self.k)
         stick, dissipated = contact, 0.0
         if self.friction and np.any(surface.traction):
             stick = fitted_stick_edges(surface, self.mu, increment.direction, self.k)
         if self.entries:
-            before = self.entries[-1]
-            dissipated = before.dissipated + frictional_work(before.surface, surface)
+            dissipated = self.entries[-1].dissipated + self._work(Moment(surface, contact))
         if increment.branch == "normal":
             self._rest = s
         entry = Entry(
@@ -87,6 +77,12 @@ class History:
         )
         self.entries.append(entry)
         return entry
+
+    def _work(self, after: Moment) -> float:
+        if not self.friction:
+            return 0.0
+        *earlier, before = (Moment(e.surface, e.contact) for e in self.entries[-2:])
+        return frictional_work(before, after, self.mu, self.k, earlier[0] if earlier else None)
 
     @property
     def friction(self) -> bool:

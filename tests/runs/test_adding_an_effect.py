@@ -12,8 +12,8 @@ from pydantic import Field
 from solving import coarse_simulation, solved
 
 from simulations.fem.body import X, Y
-from simulations.run.reference import NoReference, of_same_physics
-from simulations.run.simulation import Simulation
+from simulations.runs.reference import NoReference, of_same_physics
+from simulations.runs.simulation import Simulation
 from simulations.scene import DEFAULT_SCENE, effects, parse
 from simulations.scene.effects import Effect, Verdict
 from simulations.scene.fields import Number
@@ -89,7 +89,7 @@ def test_the_springs_push_back_as_the_body_without_them_says(with_springs):
     body, nodes = bare.body, bare.sampler._nodes[bare.sampler._order]
     right, u = body.stiffness.createVecLeft(), body.stiffness.createVecRight()
     right.array[body.dofs[nodes]] = last.weight[:, None] * forces
-    body.set_far_field(stiff.programme[-1].load)
+    body.set_far_field(stiff.schedule[-1].load.components)
     lifted = body.stiffness.createVecLeft()
     body.stiffness.mult(body.far_value.x.petsc_vec, lifted)
     right.axpy(-1.0, lifted)

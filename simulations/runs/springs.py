@@ -6,8 +6,14 @@ import numpy as np
 
 from analytic import CylinderContact, ProfileContact, SpringPath
 
-from ..loading.schedule import Increment
+from ..loading.schedule import LoadStep
 from .history import Entry
+
+
+def last_cycle(states: Sequence, schedule: Sequence[LoadStep]) -> float:
+    """Energy dissipated in the last full cycle of ``schedule``, where there is none since first contact."""
+    before = [state for state, step in zip(states, schedule) if step.cycle < schedule[-1].cycle]
+    return states[-1].dissipated_energy - (before[-1].dissipated_energy if before else 0.0)
 
 
 class Springs:
@@ -19,7 +25,7 @@ class Springs:
 
     name = "closed form"
 
-    def __init__(self, contact: CylinderContact | ProfileContact, mu: float, schedule: Sequence[Increment]):
+    def __init__(self, contact: CylinderContact | ProfileContact, mu: float, schedule: Sequence[LoadStep]):
         self._schedule = schedule
         self._is_sharp = isinstance(contact, ProfileContact) and contact.profile.order < 2
         self._states = SpringPath(contact, mu or 1.0).run([(step.P, step.Q) for step in schedule])
@@ -49,9 +55,7 @@ class Springs:
 
     def dissipated_energy(self) -> float:
         """Of the last full cycle, where there is none since first contact; [X4] for a cycle at constant P."""
-        cycle = self._schedule[-1].cycle
-        before = [state for state, step in zip(self._states, self._schedule) if step.cycle < cycle]
-        return self._states[-1].dissipated_energy - (before[-1].dissipated_energy if before else 0.0)
+        return last_cycle(self._states, self._schedule)
 
     def _with_finite_tip(self, entry, x, value, within):
         """``value`` at x. Under a sharp tip it is infinite: there the mean over the length of surface of the node."""

@@ -10,8 +10,8 @@ from conftest import run_command
 from mpi4py import MPI
 from solving import deviations
 
-from simulations.run import estimate
-from simulations.run.simulation import Simulation
+from simulations.runs import estimate
+from simulations.runs.simulation import Simulation
 from simulations.scene import DEFAULT_SCENE, SceneError, accuracy, parse
 from simulations.studies.costs.cases import PROBLEMS, TABLE, cases
 from simulations.studies.costs.model import COARSE
@@ -102,7 +102,7 @@ def test_nothing_of_the_study_is_refused(monkeypatch):
     def accept(*_):
         raise Accepted
 
-    monkeypatch.setattr("simulations.run.simulation.half_plane", accept)
+    monkeypatch.setattr("simulations.runs.simulation.half_plane", accept)
     for case in cases(with_getfem=False):
         for sets in (case.sets, case.sets | COARSE):
             with pytest.raises(Accepted):

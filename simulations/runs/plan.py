@@ -1,7 +1,7 @@
-"""What a scene asks for before anything is meshed: scaled problem, closed forms, load programme, wanted cell sizes."""
+"""What a scene asks for before anything is meshed: scaled problem, closed forms, load schedule, wanted cell sizes."""
 
 from ..fem.mesh import Grading
-from ..loading.schedule import pressing, rocking, visiting
+from ..loading.schedule import Load, pressing, rocking, visiting
 from ..scene import Scene
 from ..scene.effects import Effects
 from ..scene.scaling import Scaled
@@ -27,21 +27,21 @@ class Plan:
         self.loop = None
         if scene.is_loop and self.contact:
             self.loop = self.contact.fretting(mu=self.mu, z=1.0 - scene.load.amplitude)
-        self.programme = self._programme()
+        self.schedule = self._schedule()
 
     @property
     def graded_for(self) -> tuple | None:
         """What the mesh of a scene depends on: equal for scenes whose meshes are; None where that is not known."""
         if self.scene.indenter.profile != "parabola":
             return None
-        loads = tuple((increment.P, increment.Q) for increment in self.programme)
+        loads = tuple((increment.P, increment.Q) for increment in self.schedule)
         on = tuple(name for name, verdict in self.effects.verdicts.items() if verdict.on)
         return loads, self.mu, on, tuple(self.scene.cell_sizes.items()), self.scene.mesh.edges
 
     def grading(self) -> Grading:
         """Cell sizes of the scene, graded to where contact and stick zone are expected to end."""
         scene = self.scene
-        loads = [(increment.P, increment.Q) for increment in self.programme]
+        loads = [(increment.P, increment.Q) for increment in self.schedule]
         with self.watch("edges"):
             found = expected_edges(scene, self.scaled, self.loop, self.effects, loads)
         sizes = scene.cell_sizes
@@ -53,13 +53,13 @@ class Plan:
         sweeps = found.sweeps(scene.k, sizes["facet"], sizes["edge_facet"])
         return Grading(edges=tuple(sorted(edges)), sweeps=sweeps, **sizes)
 
-    def _programme(self):
+    def _schedule(self):
         scene = self.scene
         steps = scene.solver.normal_increments if "friction in normal stage" in self.effects else 1
         if scene.is_path:
-            points = [(P / scene.P, Q / scene.P) for P, Q in scene.load.points]
+            points = [Load(P / scene.P, Q / scene.P) for P, Q in scene.load.points]
             first, *rest = points
-            return pressing(first[0], steps) + visiting(first, rest, scene.solver.increments)
+            return pressing(first.P, steps) + visiting(first, rest, scene.solver.increments)
         if not scene.friction:
             return pressing(1.0)
         Q_A = scene.load.amplitude * self.mu

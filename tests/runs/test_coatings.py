@@ -3,8 +3,8 @@
 import pytest
 from solving import solved
 
-from simulations.run import reference
-from simulations.run.comparison import compare
+from simulations.runs import reference
+from simulations.runs.comparison import compare
 
 SCENE = """
 [solid]

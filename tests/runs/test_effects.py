@@ -7,15 +7,16 @@ import numpy as np
 import pytest
 from conftest import ROOT, coarse_arguments, run_command
 from mpi4py import MPI
-from solving import coarse_simulation, deviations, of_the_closed_form, solved
+from solving import coarse_simulation, deviations, limit_stepping, of_the_closed_form, solved
 
 from analytic.half_plane.linear import ContactNotConverged
 from simulations.fem.body import X, Y
 from simulations.indentation import DEFAULT_SCENE as INDENTATION
-from simulations.loading.stepping import LoadProgramme, SolveError
-from simulations.run import reference
-from simulations.run.comparison import compare, compare_state
-from simulations.run.simulation import Simulation
+from simulations.loading.stepping import SolveError
+from simulations.runs import mesh_free, reference
+from simulations.runs.comparison import compare, compare_state
+from simulations.runs.mesh_free import MeshFree
+from simulations.runs.simulation import Simulation
 from simulations.scene import DEFAULT_SCENE, SceneError, parse
 
 FINE = {
@@ -90,7 +91,7 @@ def test_explain_names_every_effect_and_writes_nothing(tmp_path):
     done = run_command("--explain", "--output", tmp_path / "results")
     assert done.returncode == 0
     names = ("grading", "friction", "symmetry", "coupling", "friction in normal stage", "incompressibility")
-    for name in (*names, "load programme", "indenter profile", "unknowns"):
+    for name in (*names, "load schedule", "indenter profile", "unknowns"):
         assert name in done.stdout
     assert not (tmp_path / "results").exists()
 
@@ -122,7 +123,7 @@ def test_coupled_loops_match_the_half_plane_solver(k, nu, friction_first):
         mesh__first_layer=1e-3,
         solver__increments=6,  # each sums its dissipation over increments in its own way
     )
-    found = compare(simulation.history, reference.HalfPlane(simulation))
+    found = compare(simulation.history, MeshFree(simulation))
     for name, limit in {"pressure_l2": 2e-3, "traction_l2": 3e-3, "a": 1e-3, "dissipated_energy": 2e-3}.items():
         assert abs(found[name]) < limit, (name, found[name])
 
@@ -130,7 +131,7 @@ def test_coupled_loops_match_the_half_plane_solver(k, nu, friction_first):
 def test_half_plane_solver_is_tried_with_fewer_nodes(monkeypatch):
     """What it ended with is said; where it fails with all, so is why it did with the most."""
     simulation = coarse_simulation(solid__nu=0.3, load__cycles=0, solver__increments=1)
-    solver, most, least = reference.half_plane_solver, reference.NODES[0], reference.NODES[-1]
+    solver, most, least = mesh_free.half_plane_solver, mesh_free.NODES[0], mesh_free.NODES[-1]
 
     def failing_above(limit):
         def choose(scene, scaled, effects, nodes):
@@ -140,17 +141,17 @@ def test_half_plane_solver_is_tried_with_fewer_nodes(monkeypatch):
 
         return choose
 
-    monkeypatch.setattr(reference, "half_plane_solver", failing_above(least))
-    assert f"of {least} nodes" in reference.describe(reference.HalfPlane(simulation), simulation)
-    monkeypatch.setattr(reference, "half_plane_solver", failing_above(0))
+    monkeypatch.setattr(mesh_free, "half_plane_solver", failing_above(least))
+    assert f"of {least} nodes" in reference.describe(MeshFree(simulation), simulation)
+    monkeypatch.setattr(mesh_free, "half_plane_solver", failing_above(0))
     with pytest.raises(reference.NoReference, match=f"with {most} nodes"):
-        reference.HalfPlane(simulation)
+        MeshFree(simulation)
 
 
 def worst_of_states(*settings) -> dict[str, float]:
     """Largest errors of a coupled loop at the first +Q_A and at A to E of its cycles."""
     simulation = Simulation(MPI.COMM_SELF, parse(DEFAULT_SCENE, settings)).run_to_end()
-    other = reference.HalfPlane(simulation)
+    other = MeshFree(simulation)
     states = [compare_state(entry, other) for entry in simulation.history.entries if entry.increment.state]
     assert len(states) == 1 + 5 * simulation.scene.load.cycles
     return {name: max(state[name] for state in states) for name in ("pressure_l2", "traction_l2")}
@@ -197,10 +198,10 @@ def test_a_coupled_loop_needs_the_guard_against_turning_round(monkeypatch):
         "mesh__first_layer": 4e-3,
     }
     hard |= {"mesh__growth": 1.5, "mesh__layer_growth": 1.5, "solver__increments": 6}
-    monkeypatch.setattr("simulations.run.plan.expected_edges", of_the_closed_form)
-    monkeypatch.setattr("simulations.loading.stepping.MAX_CUTS", 0)
+    monkeypatch.setattr("simulations.runs.plan.expected_edges", of_the_closed_form)
+    limit_stepping(monkeypatch, halvings=0)
     solved(**hard)
-    monkeypatch.setattr(LoadProgramme, "_guarded", LoadProgramme._fixed_point)
+    limit_stepping(monkeypatch, halvings=0, fallbacks=("Newton", "fixed point"))
     with pytest.raises(SolveError, match="Newton cycles"):
         solved(**hard)
 

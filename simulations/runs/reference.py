@@ -8,6 +8,7 @@ from typing import Protocol
 
 import numpy as np
 
+from . import step_free
 from .history import Entry, History
 from .mesh_free import MeshFree, NoReference, Tell
 from .simulation import Simulation
@@ -44,7 +45,7 @@ def closed_form(simulation: Simulation) -> Springs | None:
     """The closed forms of a simulation, whether they describe its physics or neglect some; None without any."""
     if simulation.contact is None:
         return None
-    return Springs(simulation.contact, simulation.mu, simulation.programme)
+    return Springs(simulation.contact, simulation.mu, simulation.schedule)
 
 
 def neglected(simulation: Simulation) -> list[str]:
@@ -58,7 +59,7 @@ def expected_seconds(simulation: Simulation) -> float:
     kind = simulation.scene.reference.kind
     if kind == "none" or (simulation.effects.has_closed_form and kind != "half-plane"):
         return 0.0
-    shares = len(simulation.programme) / (ROUGH_INCREMENTS if simulation.scene.is_loop else len(simulation.programme))
+    shares = len(simulation.schedule) / (ROUGH_INCREMENTS if simulation.scene.is_loop else len(simulation.schedule))
     return ROUGH_TIMES * shares * simulation.watch.seconds.get("edges", 0.0)
 
 
@@ -75,6 +76,11 @@ def of_same_physics(simulation: Simulation, tell: Tell | None = None) -> Referen
         return exact
     if kind == "closed form":
         raise NoReference("there is no closed form of this problem, and reference.kind = closed form")
+    if step_free.serves(simulation):
+        try:
+            return step_free.StepFree(simulation, tell)
+        except NoReference:  # the other solver may
+            pass
     return MeshFree(simulation, tell)
 
 

@@ -5,7 +5,7 @@ import pytest
 from conftest import COARSE
 from mpi4py import MPI
 
-from simulations.run.simulation import Simulation, reuse_reason
+from simulations.runs.simulation import Simulation, reuse_reason
 from simulations.scene import make_scene
 
 BASE = COARSE | {"load.cycles": 0, "solid.y0": 0.01}

@@ -1,0 +1,98 @@
+"""Coupled frictional contact under a tangential load that goes to and fro at constant P, without load steps."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..half_plane.linear import ContactNotConverged
+from ..material import GradedHalfPlane
+from .branch import Branch, turned_guess, uncoupled_guess
+from .problem import NormalStage
+from .state import CoupledState, Units
+
+ORDER = 7
+
+
+@dataclass(frozen=True)
+class CoupledLoop:
+    """Rigid even convex profile on a graded half-plane, pressed without friction by P, and then loaded by Q.
+
+    solid: a GradedHalfPlane; profile: a PowerProfile or Profile; P: line load [stress x length]; mu: friction
+    coefficient; coupling: False leaves out the coupling kernel; order: of the basis, see ``zone``.
+    Between two turns of Q the state depends on that at the first turn only: where it sticks its displacement is that
+    at the turn, elsewhere |q| = mu p. So each state is found directly, and does not depend on those before it.
+    """
+
+    solid: GradedHalfPlane
+    profile: object
+    P: float
+    mu: float
+    coupling: bool = True
+    order: int = ORDER
+
+    def run(self, loads) -> list[CoupledState]:
+        """State after every load (P, Q) of ``loads``; the first ones have Q = 0, the others the same P.
+
+        Raises ValueError for P <= 0, |Q| >= mu P or a first Q != 0; ContactNotConverged, with the reason.
+        """
+        loads = [(float(P), float(Q)) for P, Q in loads]
+        for P, Q in loads:
+            if not P > 0 or not (Q == 0 or abs(Q) < self.mu * P):
+                raise ValueError(f"P = {P!r}, Q = {Q!r}: needs P > 0 and |Q| < mu P, mu = {self.mu!r}")
+        if loads and loads[0][1] != 0:
+            raise ValueError(f"Q = {loads[0][1]!r} at first contact: the first load has Q = 0")
+        first = next((i for i, (_, Q) in enumerate(loads) if Q != 0), len(loads))
+        for P, _ in loads[max(first - 1, 0) :]:
+            if P != self.P:
+                raise ContactNotConverged(f"P = {P!r} while Q acts: P stays at {self.P!r} from the end of the normal stage")
+        states = [self._pressed(P) for P, _ in loads[:first]]
+        return states + self._tangential([Q / self.P for _, Q in loads[first:]])
+
+    def _pressed(self, P):
+        normal = NormalStage(self.solid, self.profile, P)
+        problem = normal.problem(self.profile, self.mu, self.coupling, self.order)
+        return CoupledState(Units.of(normal), problem, normal, normal, 0.0)
+
+    def _tangential(self, loads):
+        """States at the loads Q/P."""
+        normal = NormalStage(self.solid, self.profile, self.P)
+        problem = normal.problem(self.profile, self.mu, self.coupling, self.order)
+        units, base, energy, branches, states = Units.of(normal), normal, 0.0, [], []
+        for direction, Qs in branches_of(loads):
+            span = abs(Qs[-1] - base.Q)
+            guess = self._guess(branches, direction)
+            try:
+                branch = Branch(problem, base, direction, span, guess)
+                reached = [branch.state(Q) for Q in Qs]
+                works = [branch.dissipated(state) for state in reached]
+            except ContactNotConverged as failure:
+                raise ContactNotConverged(f"P = {self.P:g}, Q up to {Qs[-1] * self.P:g}: {failure}") from None
+            for state, work in zip(reached, works, strict=True):
+                branch.check(state)
+                states.append(CoupledState(units, problem, normal, state, energy + work, branch.solves))
+            base, energy = reached[-1], energy + works[-1]
+            branches.append(branch)
+        return states
+
+    def _guess(self, branches, direction):
+        """Variables of the edges after a turn, from the branches before it."""
+        if not branches:
+            return uncoupled_guess(self.solid.k, self.mu)
+        if len(branches) > 2:
+            return branches[-2].guessed
+        if len(branches) == 2:
+            return lambda load: branches[-1].guessed(load)[::-1] * [-1, 1, 1, -1]
+        return turned_guess(branches[0])
+
+
+def branches_of(loads):
+    """Parts of ``loads`` between turns, each a direction and its loads; they start from zero."""
+    parts, last = [], 0.0
+    for Q in loads:
+        direction = float(np.sign(Q - last))
+        if parts and direction in (0.0, parts[-1][0]):
+            parts[-1][1].append(Q)
+        elif direction:
+            parts.append((direction, [Q]))
+        last = Q
+    return parts

@@ -1,0 +1,161 @@
+"""The coupled contact problem without units, and its state after the normal stage."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from ..cylinder import CylinderContact
+from ..normal import ProfileContact
+from ..half_plane.surface_kernel import PowerLawKernel
+from .exponents import edge_exponent
+from .panels import GAUSS, Panels, even_kernel, graded
+from .tractions import Source
+from .zone import ReferenceZone
+
+LEVELS, RATIO = 15, 0.4  # of the panels on which the pressure of the normal stage is integrated or interpolated
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Data without units: lengths over a, tractions over P/a, loads over P, displacements over P y0^k/(E0 a^k).
+
+    bk, gk, d: factors of the kernels; mu: friction coefficient; height: profile at x; order: of the basis.
+    """
+
+    k: float
+    bk: float
+    gk: float
+    d: float
+    mu: float
+    height: Callable
+    order: int
+
+    def __post_init__(self):
+        object.__setattr__(self, "_zones", {})
+
+    def with_order(self, order):
+        """The same problem with another basis."""
+        return replace(self, order=order)
+
+    def displacements(self, even_p, odd_p, even_q, odd_q):
+        """u_x and u_y from the integrals of R and O over p and q, [X6]."""
+        return self.gk * even_q + self.d * odd_p, self.bk * even_p - self.d * odd_q
+
+    def zone(self, expansion, friction, levels, bounded):
+        """Reference zone of one of the expansions of ``tractions.ZONE``, with panels of these levels at both ends.
+
+        Where slip has q = friction p. Unless they are ``bounded``, the last exponents are of tractions without bound,
+        which the right edges do not have.
+        """
+        key = expansion, friction, bounded, *levels
+        if key not in self._zones:
+            minus, plus = (edge_exponent(self.k, self.bk, self.d, s * friction) - (not bounded) for s in (-1, 1))
+            stick = (0.0, plus), (0.0, minus)
+            ends = [((minus,), stick[0]), stick, (stick[1], (plus,)), stick][expansion]
+            left, right = zip(ends, levels, strict=True)
+            self._zones[key] = ReferenceZone(left, right, self.order, self.k)
+        return self._zones[key]
+
+
+class NormalStage:
+    """Frictionless contact under P alone, in the units of ``Problem``: the state from which Q starts.
+
+    contact: edges; breaks: where tractions are not smooth; Q, delta_x, delta_y: load and displacements.
+    """
+
+    contact = (-1.0, 1.0)
+    Q = delta_x = 0.0
+
+    def __init__(self, solid, profile, P):
+        self.solid, self.P = solid, P
+        self.smooth = getattr(profile, "m", None) == 2 or _is_even(getattr(profile, "m", 1.0))
+        self._closed = _normal_contact(solid, profile, P)
+        self.a = self._closed.a
+        flat = getattr(profile, "flat", 0.0) / self.a
+        corners = [] if self.smooth else [-flat, flat] if flat else [0.0]
+        self.breaks = np.array(corners)
+        self._cylinder = isinstance(self._closed, CylinderContact)
+
+    def problem(self, profile, mu, coupling, order):
+        """The tangential problem that follows."""
+        solid, a = self.solid, self.a
+        unit = self.P * (solid.y0 / a) ** solid.k / solid.E0
+        d = PowerLawKernel(solid).d if coupling else 0.0
+        return Problem(solid.k, solid.bk, solid.gk, d, mu, lambda x: profile.height(a * x) / unit, order)
+
+    @cached_property
+    def _sampled(self):
+        """Panels over 0 < x < 1 and the pressure at their nodes, without its root at the edge."""
+        points = np.unique(np.abs([0.0, *self.breaks, 1.0]))
+        low = points[:-1]
+        pieces = [graded(a, b, LEVELS * (not self.smooth), LEVELS, RATIO) for a, b in zip(low, points[1:], strict=True)]
+        panels = Panels.between(np.unique(np.concatenate(pieces)))
+        x = panels.nodes
+        return panels, self._closed.pressure(self.a * x) * self.a / self.P / self._root(x)
+
+    def _root(self, x):
+        return np.maximum((1 - x) * (1 + x), 0.0) ** ((1 + self.solid.k) / 2)
+
+    def tractions(self, x):
+        """p and q at x, shape (2, n)."""
+        if self._cylinder:
+            p = self._closed.pressure(self.a * x) * self.a / self.P
+        else:
+            panels, values = self._sampled
+            r = np.minimum(np.abs(x), 1.0)
+            j = np.clip(np.searchsorted(panels.low, r, side="right") - 1, 0, len(panels.low) - 1)
+            p = _interpolated((r - panels.middle[j]) / panels.half[j], values.reshape(-1, len(GAUSS))[j]) * self._root(r)
+        return np.stack([p, np.zeros_like(p)])
+
+    table = tractions
+
+    @cached_property
+    def delta_y(self):
+        """Displacement of the profile's tip."""
+        points = np.array([-1.0, *self.breaks, 1.0])
+        if 0.0 not in points:
+            points = np.sort(np.append(points, 0.0))
+        pieces = [graded(a, b, LEVELS, LEVELS, RATIO) for a, b in zip(points, points[1:], strict=False)]
+        panels = Panels.between(np.unique(np.concatenate(pieces)))
+        kernel = panels.matrices(np.zeros(1), self.solid.k)[0]
+        return float(self.solid.bk * (kernel @ self.tractions(panels.nodes)[0])[0])
+
+    @cached_property
+    def _everywhere(self):
+        return Source(self, -1.0, 1.0, 1.0, RATIO)
+
+    def displacements(self, problem, x):
+        """u_x and u_y - delta_y at x, shape (2, n)."""
+        return self._everywhere.displacements(problem, x) - np.array([[0.0], [self.delta_y]])
+
+    def unit_of_length_shift(self):
+        """R(a/y0): the kernels of ``PowerLawKernel`` have y0 for the length that is a here."""
+        return float(even_kernel(np.array([self.a / self.solid.y0]), self.solid.k)[0])
+
+
+def _is_even(power):
+    return power == round(power) and round(power) % 2 == 0
+
+
+def _normal_contact(solid, profile, P):
+    """Closed form of the frictionless contact."""
+    if getattr(profile, "m", None) == 2:
+        return CylinderContact(solid, 1 / (2 * profile.A), P)
+    a_max = max(getattr(profile, "flat", 0.0), 1e-9) * 2
+    while ProfileContact(solid, profile, a_max).P < P:
+        a_max *= 2
+    return ProfileContact.from_load(solid, profile, P, a_max)
+
+
+def _interpolated(t, values):
+    """Polynomials with the given values (n, nodes) at the Gauss nodes of (-1, 1), at t."""
+    difference = t[:, None] - GAUSS
+    exact = difference == 0
+    w = _BARYCENTRIC / np.where(exact, 1.0, difference)
+    w = np.where(exact.any(axis=1, keepdims=True), exact, w)
+    return (w * values).sum(axis=1) / w.sum(axis=1)
+
+
+_BARYCENTRIC = np.array([1 / np.prod(x - np.delete(GAUSS, i)) for i, x in enumerate(GAUSS)])

@@ -1,0 +1,112 @@
+"""State of a coupled loop in the user's units: fields at nodes, and as functions of x."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from .branch import smooth_rule
+from .linear import solve
+from .tractions import references
+
+LOWER = 2  # by which the order is lower for an estimate of the error
+
+
+@dataclass(frozen=True)
+class Units:
+    """Units of length [length], stress [stress], displacement [length], and energy [stress x length²] of a problem.
+
+    shift_x, shift_y: displacements [length] under unit loads between the kernels of ``PowerLawKernel`` and those here.
+    """
+
+    length: float
+    stress: float
+    displacement: float
+    shift_x: float
+    shift_y: float
+
+    @classmethod
+    def of(cls, normal):
+        """Units of a normal stage."""
+        solid, a = normal.solid, normal.a
+        displacement = normal.P * (solid.y0 / a) ** solid.k / solid.E0
+        shift = normal.unit_of_length_shift() * normal.P / solid.E0
+        return cls(a, normal.P / a, displacement, solid.gk * shift, solid.bk * shift)
+
+    @property
+    def load(self):
+        """Unit of line loads [stress x length]."""
+        return self.stress * self.length
+
+
+class CoupledState:
+    """State at the loads P and Q [stress x length]; arrays are values at the nodes x of the contact, in increasing order.
+
+    x: nodes [length], gathered at the edges and where the tractions are not smooth; weight, weight_q: their quadrature
+    weights [length]; pressure, traction [stress]; slip: u_x - delta_x since the end of the normal stage [length];
+    gap [length]; contact, stick: left and right edge [length]; stick_zones: shape (1, 2);
+    dissipated_energy: frictional work since first contact [stress x length²]; delta_x, delta_y: displacements of the
+    indenter [length], for k <= 0 up to a constant times the loads; iterations: linear solves of the branch so far.
+    """
+
+    def __init__(self, units, problem, normal, state, energy, iterations=0):
+        self._units, self._problem, self._normal, self._state = units, problem, normal, state
+        self.P, self.Q = units.load, units.load * state.Q
+        self.contact = _times(units.length, state.contact)
+        self.stick = _times(units.length, getattr(state, "stick", (np.nan, np.nan)))
+        self.stick_zones = np.array([self.stick]) if np.isfinite(self.stick[0]) else np.empty((0, 2))
+        self.dissipated_energy = energy * units.load * units.displacement
+        self.delta_x = units.displacement * state.delta_x + units.shift_x * state.Q
+        self.delta_y = units.displacement * state.delta_y + units.shift_y
+        self.iterations = iterations
+        x, weight = smooth_rule(*state.contact, state.breaks)
+        self._nodes = x
+        self.x, self.weight, self.gap = units.length * x, units.length * weight, np.zeros(len(x))
+        self.weight_q = self.weight
+        self.pressure, self.traction = units.stress * state.tractions(x)
+
+    @cached_property
+    def slip(self):
+        """u_x - delta_x since the end of the normal stage, at the nodes [length]."""
+        return self.slip_at(self.x)
+
+    def _tractions_at(self, x):
+        x = np.asarray(x, dtype=float)
+        inside = np.clip(x.ravel() / self._units.length, *self._state.contact)
+        values = self._units.stress * self._state.tractions(inside).reshape(2, *x.shape)
+        return np.where((x > self.contact[0]) & (x < self.contact[1]), values, 0.0)
+
+    def pressure_at(self, x):
+        """p at x [stress] of any shape, zero outside the contact."""
+        return self._tractions_at(x)[0]
+
+    def traction_at(self, x):
+        """q at x [stress] of any shape, zero outside the contact."""
+        return self._tractions_at(x)[1]
+
+    def slip_at(self, x):
+        """u_x - delta_x at x since the end of the normal stage [length], also outside the contact; any shape."""
+        x = np.asarray(x, dtype=float)
+        scaled = x.ravel() / self._units.length
+        moved = self._state.displacements(self._problem, scaled) - self._normal.displacements(self._problem, scaled)
+        return self._units.displacement * moved[0].reshape(x.shape)
+
+    @cached_property
+    def own_error(self):
+        """Largest differences of p and q to those of a basis lower by two orders, over the peaks of p and mu p.
+
+        The error of the basis itself is smaller, as it falls by about a factor of ten with each order.
+        """
+        state, problem = self._state, self._problem
+        if not hasattr(state, "zones"):
+            return 0.0, 0.0
+        lower = problem.with_order(problem.order - LOWER)
+        zones = references(lower, state.friction, state.zones.edges, state.base)
+        other = solve(lower, state.base, state.friction, state.zones.edges, zones, state.Q).state
+        p, q = np.abs(other.tractions(self._nodes) - state.tractions(self._nodes)).max(axis=1)
+        peak = self.pressure.max() / self._units.stress
+        return p / peak, q / (problem.mu * peak)
+
+
+def _times(factor, pair):
+    return factor * float(pair[0]), factor * float(pair[1])

@@ -1,0 +1,83 @@
+"""Frictional work of a load step, second order in the step: every point's own limit of friction over its own slip.
+
+The traction of a point that slides is q = ±mu p(t), with t from 0 to 1 in the step. What p(t) and the slip s(t) are
+like between two states is known to leading order, and weighs the pressures before and after in -∫ q ds.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..fem.surface import SurfaceState
+
+AT_LIMIT = 1e-6  # a traction this close to mu p, over the largest mu p, slides
+MOVES = 0.02  # of a point's distance from the edge: motions of the edge below do not count
+
+
+@dataclass(frozen=True)
+class Moment:
+    """A state with the edges (left, right) of its contact."""
+
+    surface: SurfaceState
+    contact: tuple[float, float]
+
+    @property
+    def s(self) -> np.ndarray:
+        """Relative displacement (n,)."""
+        return self.surface.relative_displacement
+
+    def sliding(self, mu: float) -> np.ndarray:
+        """Sign of the traction where points slide (n,), 0 elsewhere."""
+        limit = mu * self.surface.pressure
+        slides = (limit > 0) & (np.abs(self.surface.traction) >= limit - AT_LIMIT * limit.max())
+        return np.where(slides, np.sign(self.surface.traction), 0.0)
+
+
+def frictional_work(before: Moment, after: Moment, mu: float, k: float, earlier: Moment | None = None) -> float:
+    """Energy dissipated in a load step, -∫∫ q ds dx. earlier: the state before ``before``; k: grading at the surface.
+
+    A point that begins to slide within the step does so late, like (t - t0)^((3-k)/2), (50); one that enters or leaves
+    contact slides while its pressure is C (distance from the edge)^((1+k)/2), (44), for a part of the step. Both are
+    averaged over the points that the edges pass. Points that stick do no work.
+    """
+    p0, p1 = before.surface.pressure, after.surface.pressure
+    was, now = before.sliding(mu), after.sliding(mu)
+    touches = (p0 > 0) & (p1 > 0)
+    moved = after.s - before.s
+    goes_on, begins = touches & (now != 0) & (was == now), touches & (now != 0) & (was != now)
+    enters, leaves = (p0 <= 0) & (now != 0), (p1 <= 0) & (was != 0)
+    mean = np.where(goes_on, mean_pressure(before, after, k), 0.0)
+    if earlier is not None:
+        mean += np.where(goes_on, growth(before.s - earlier.s, moved) * (p1 - p0) / 12.0, 0.0)
+    mean = np.where(begins, p1 - (p1 - p0) * 2.0 / (7.0 - k), mean)
+    mean = np.where(enters | leaves, (p0 + p1) * 2.0 / (5.0 + k), mean)
+    q = mu * mean * np.where(leaves, was, now)
+    return -after.surface.line_load(q * moved)
+
+
+def growth(slip_before, slip) -> np.ndarray:
+    """How much faster points (n,) slide at the end of a step than at its start, over the mean: (ds/dt)(t) is
+    slip (1 + growth (t - 1/2)).
+
+    Zero where a point slid the other way in the step before.
+    """
+    same = slip_before * slip > 0
+    return np.where(same, 2.0 * (slip - slip_before) / np.where(same, slip + slip_before, 1.0), 0.0)
+
+
+def mean_pressure(before: Moment, after: Moment, k: float) -> np.ndarray:
+    """Mean over the step of the pressure (n,) at points that stay in contact, of which an edge comes near or leaves.
+
+    p = f(t) d(t)^((1+k)/2) with the distance d from the edge and f linear in t; far from the edge p is linear.
+    """
+    x, power = before.surface.x, (1.0 + k) / 2.0
+    p0, p1 = before.surface.pressure, after.surface.pressure
+    right = x > np.mean(before.contact)
+    d0, d1 = (np.where(right, m.contact[1] - x, x - m.contact[0]) for m in (before, after))
+    near = (np.minimum(d0, d1) > 0) & (np.abs(d1 - d0) > MOVES * np.maximum(d0, d1))
+    d0, d1 = np.where(near, d0, 1.0), np.where(near, d1, 2.0)
+    change = d1 - d0
+    f0, f1 = p0 / d0**power, p1 / d1**power
+    first, second = ((d1**n - d0**n) / n for n in (power + 1.0, power + 2.0))
+    share = (second - d0 * first) / change**2  # ∫ t d^power dt
+    return np.where(near, f0 * first / change + (f1 - f0) * share, (p0 + p1) / 2.0)

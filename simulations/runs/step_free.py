@@ -1,0 +1,60 @@
+"""Reference of coupled loops: states of the half-plane found directly from the last turn of Q, without load steps."""
+
+from analytic import CoupledLoop
+from analytic.half_plane.linear import ContactNotConverged
+
+from .history import Entry
+from .mesh_free import NoReference, Tell
+from .simulation import Simulation
+from .springs import last_cycle
+
+
+def serves(simulation: Simulation) -> bool:
+    """True for loops at constant P on a power law, pressed without friction."""
+    on = simulation.effects
+    is_loop = simulation.scene.is_loop and simulation.scene.is_power_law
+    return is_loop and "coupling" in on and "friction in normal stage" not in on
+
+
+class StepFree:
+    """States of ``analytic.CoupledLoop`` at the load steps of a simulation; NoReference where it does not converge.
+
+    tell: called when all states are there.
+    """
+
+    name = "half-plane solver without load steps"
+
+    def __init__(self, simulation: Simulation, tell: Tell | None = None):
+        scaled, self._schedule = simulation.scaled, simulation.schedule
+        loop = CoupledLoop(scaled.solid, scaled.indenter.analytic(), P=1.0, mu=simulation.mu)
+        try:
+            self._states = loop.run([step.load for step in self._schedule])
+        except (ContactNotConverged, ValueError, ArithmeticError) as failure:
+            raise NoReference(str(failure)) from None
+        if tell:
+            tell(len(self._states), len(self._states))
+
+    def pressure(self, entry: Entry, x):
+        """p."""
+        return self._states[entry.number].pressure_at(x)
+
+    def traction(self, entry: Entry, x):
+        """q."""
+        return self._states[entry.number].traction_at(x)
+
+    def slip(self, entry: Entry, x):
+        """u_x - delta_x since the end of the normal stage."""
+        return self._states[entry.number].slip_at(x)
+
+    def contact(self, entry: Entry) -> tuple[float, float]:
+        """Edges of the contact."""
+        return self._states[entry.number].contact
+
+    def stick_half_width(self, entry: Entry) -> float:
+        """Half the length of the zone that has stuck since the last turn."""
+        left, right = self._states[entry.number].stick
+        return (right - left) / 2
+
+    def dissipated_energy(self) -> float:
+        """Of the last full cycle, where there is none since first contact."""
+        return last_cycle(self._states, self._schedule)

@@ -1,0 +1,143 @@
+"""Coupled loops without load steps: closed forms where they are exact, conditions and balances elsewhere."""
+
+from functools import lru_cache
+
+import numpy as np
+import pytest
+
+from analytic import CylinderContact, GradedHalfPlane, PowerProfile, Profile, ProfileContact
+from analytic.coupled import CoupledLoop
+from analytic.coupled.exponents import edge_exponent
+from analytic.coupled.loop import branches_of
+from analytic.coupled.panels import Panels
+from analytic.half_plane.linear import ContactNotConverged
+
+MU, R, P = 0.3, 2.0, 1.5
+PROFILE = PowerProfile(1 / (2 * R), 2.0)
+BRANCHES = ("initial", *2 * ("unloading",), *2 * ("reloading",))
+
+
+def solid_of(k, nu=0.3):
+    return GradedHalfPlane(7.0, nu, k, 0.6)
+
+
+def loads(Q_A, *shares):
+    return [(P, 0.0), *((P, share * Q_A) for share in shares)]
+
+
+@lru_cache
+def loop(k, nu, mu, share, coupling=True, order=7):
+    """States at the end of the normal stage, at Q_A, -Q_A/2, -Q_A, Q_A/2, Q_A."""
+    path = loads(share * mu * P, 1, -0.5, -1, 0.5, 1)
+    return CoupledLoop(solid_of(k, nu), PROFILE, P, mu, coupling, order).run(path)
+
+
+def error(state, values, expected):
+    """Relative L2 error."""
+    return np.sqrt(state.weight @ (values - expected) ** 2 / (state.weight @ expected**2))
+
+
+def assert_closed_forms(states, contact, mu, Q_A, tolerance):
+    exact = contact.fretting(mu, Q_A)
+    for state, branch in zip(states[1:], BRANCHES, strict=True):
+        x = state.x
+        inside = np.abs(x) < contact.a
+        assert error(state, state.pressure, contact.pressure(x)) < tolerance
+        assert error(state, state.traction, exact.traction(x, state.Q, branch)) < tolerance
+        slip = np.where(inside, exact.slip(np.where(inside, x, 0.0), state.Q, branch), 0.0)
+        assert error(state, np.where(inside, -state.slip, 0.0), slip) < tolerance
+        d = exact.active_half_width(state.Q, branch)
+        assert np.abs(np.array([state.contact, state.stick]) - [[-contact.a, contact.a], [-d, d]]).max() < tolerance * d
+    assert states[1].dissipated_energy == pytest.approx(exact.dissipated_energy / 4, rel=tolerance)
+    cycle = states[-1].dissipated_energy - states[1].dissipated_energy
+    assert cycle == pytest.approx(exact.dissipated_energy, rel=tolerance)
+
+
+@pytest.mark.parametrize("k", [0.0, 0.3, 0.7])
+def test_without_coupling_the_closed_forms(k):
+    Q_A = 0.6 * MU * P
+    assert_closed_forms(loop(k, 0.3, MU, 0.6, False), CylinderContact(solid_of(k), R, P), MU, Q_A, 2e-6)
+
+
+@pytest.mark.parametrize("k", [0.0, 0.5])
+def test_holl_ratio_decouples(k):
+    """Coupling is on, and vanishes up to rounding of the Holl ratio."""
+    nu = GradedHalfPlane.holl_ratio(k)
+    assert_closed_forms(loop(k, nu, MU, 0.6), CylinderContact(solid_of(k, nu), R, P), MU, 0.6 * MU * P, 2e-6)
+
+
+def test_other_profile_without_coupling():
+    """A flat with rounded ends: the pressure has singular points within the stick zone."""
+    profile = Profile(lambda u: u**2 / 2, lambda u: u, np.ones_like, flat=0.2)
+    contact = ProfileContact.from_load(solid_of(0.3), profile, P, a_max=4.0)
+    Q_A = 0.3 * MU * P
+    states = CoupledLoop(solid_of(0.3), profile, P, MU, coupling=False).run(loads(Q_A, 1, -0.5, -1, 0.5, 1))
+    assert_closed_forms(states, contact, MU, Q_A, 1e-5)
+
+
+@pytest.mark.parametrize(("k", "mu", "share"), [(0.0, 0.6, 0.6), (0.3, 0.3, 0.9)])
+def test_conditions_and_balances_with_coupling(k, mu, share):
+    for before, state in zip(loop(k, 0.3, mu, share), loop(k, 0.3, mu, share)[1:], strict=False):
+        assert state.weight @ state.pressure == pytest.approx(P, rel=1e-6)
+        assert state.weight @ state.traction == pytest.approx(state.Q, abs=1e-6 * mu * P)
+        limit = np.abs(state.traction) - mu * state.pressure
+        assert state.weight @ np.maximum(limit, 0) < 1e-6 * mu * P
+        slipping = (state.x < state.stick[0]) | (state.x > state.stick[1])
+        assert state.dissipated_energy > before.dissipated_energy
+        stuck = np.linspace(*state.stick, 30)[1:-1]
+        step = state.slip_at(stuck) - before.slip_at(stuck)
+        assert np.abs(step).max() < 1e-6 * np.abs(state.slip[slipping]).max()
+
+
+def test_energy_of_loops_with_coupling():
+    """Over the uncoupled energy: the limits of load stepping in other half-plane codes, which know three digits."""
+    for k, mu, share, expected in ((0.0, 0.6, 0.6, 0.8533), (0.3, 0.3, 0.9, 0.9457)):
+        states = loop(k, 0.3, mu, share)
+        exact = CylinderContact(solid_of(k), R, P).fretting(mu, share * mu * P)
+        cycle = states[-1].dissipated_energy - states[1].dissipated_energy
+        assert cycle / exact.dissipated_energy == pytest.approx(expected, abs=2e-4)
+
+
+def test_order_of_the_basis():
+    """A basis lower by two orders gives the same state and energy to 2e-6."""
+    for state, other in zip(loop(0.3, 0.3, MU, 0.9), loop(0.3, 0.3, MU, 0.9, order=5), strict=True):
+        assert other.contact == pytest.approx(state.contact, abs=2e-6 * state.contact[1])
+        assert other.dissipated_energy == pytest.approx(state.dissipated_energy, rel=2e-6, abs=1e-12)
+        if state.Q:
+            assert error(state, other.pressure_at(state.x), state.pressure) < 2e-6
+            assert error(state, other.traction_at(state.x), state.traction) < 1e-5
+
+
+def test_paths_that_are_no_loops_are_refused():
+    solver = CoupledLoop(solid_of(0.3), PROFILE, P, MU)
+    with pytest.raises(ContactNotConverged, match="while Q acts"):
+        solver.run([(P, 0.0), (1.1 * P, 0.1)])
+    for path in ([(0.0, 0.0)], [(P, 0.1)], [(P, 0.0), (P, MU * P)], [(P, 0.0), (P, np.nan)]):
+        with pytest.raises(ValueError):
+            solver.run(path)
+
+
+def test_branches():
+    assert branches_of([0.5, 1.0, 1.0, 0.5, -1.0, 0.0]) == [(1.0, [0.5, 1.0, 1.0]), (-1.0, [0.5, -1.0]), (1.0, [0.0])]
+
+
+@pytest.mark.parametrize("k", [-0.5, 0.0, 0.3])
+def test_kernels_over_panels(k):
+    """∫ R(x - t) t dt and ∫ O(x - t) t dt over 0 < t < 1 against their antiderivatives, near, in and far from panels."""
+    panels = Panels.between(np.array([0.0, 0.3, 1.0]))
+    for x in (-0.2, 1e-3, 0.3, 0.77, 1.01, 1.5):
+        even, odd = (m[0] @ panels.nodes for m in panels.matrices(np.array([x]), k))
+
+        def moment(z, sign):  # ∫_0^z |s|^-k (x - s) ds, s = x - t, signed as the kernel is
+            power = np.abs(z) ** (1 - k)
+            return np.sign(z) ** sign * (np.sign(z) * x * power / (1 - k) - np.abs(z) * power / (2 - k))
+
+        assert odd == pytest.approx(moment(x, 1) - moment(x - 1, 1), abs=1e-13)
+        if k:
+            assert even == pytest.approx((moment(x, 0) - moment(x - 1, 0) - 0.5) / k, abs=1e-13)
+
+
+def test_exponents():
+    """(1+k)/2 without friction, and the half-plane of constant modulus: cot(pi exponent) = 2 mu d/(pi b k)."""
+    assert edge_exponent(0.3, 0.5, -0.2, 0.0) == pytest.approx(0.65)
+    assert 1 / np.tan(np.pi * edge_exponent(0.0, 0.6, -0.2, 0.5)) == pytest.approx(-2 * 0.5 * 0.2 / (np.pi * 0.6))
