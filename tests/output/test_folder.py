@@ -14,12 +14,8 @@ from simulations.output import lock
 from simulations.output.files import OutputError
 from simulations.output.folder import writable
 from simulations.output.lock import Lock, Locked
-<<<<<<< HEAD
 from simulations.output.results import Results
-from simulations.run.checks import Check
-=======
 from simulations.runs.checks import Check
->>>>>>> main
 from simulations.scene import SceneError
 
 QUICK = {"load__cycles": 0, "solver__increments": 1, "reference__kind": '"none"'}
