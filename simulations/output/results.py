@@ -58,6 +58,8 @@ class Results:
 
     def keep(self, failure: str):
         """Write what there is of a run that ends before its time, on rank 0; what cannot be written is left out."""
+        if self.summary.get("converged"):
+            return  # it has reached its end: what says so is written, or about to be
         if not output.writing.acquire(timeout=LONGEST_WRITE):
             return  # a disk that does not answer
         with suppress(OSError):

@@ -14,6 +14,7 @@ from simulations.output import lock
 from simulations.output.files import OutputError
 from simulations.output.folder import writable
 from simulations.output.lock import Lock, Locked
+from simulations.output.results import Results
 from simulations.runs.checks import Check
 from simulations.scene import SceneError
 
@@ -151,6 +152,16 @@ def test_a_lock_is_touched_while_it_is_held(tmp_path, monkeypatch):
     time.sleep(0.5)
     assert time.time() - (tmp_path / lock.NAME).stat().st_mtime < 10
     held.release()
+
+
+def test_a_signal_after_the_end_changes_nothing(tmp_path, monkeypatch):
+    """The summary says that the run is complete, and its checkpoint is gone: it must stay so."""
+    made = []
+    monkeypatch.setattr(fretting, "Results", lambda *words: made.append(Results(*words)) or made[-1])
+    fretting.main(arguments(tmp_path))
+    before = contents(tmp_path)
+    made[0].keep("stopped by SIGTERM")
+    assert contents(tmp_path) == before
 
 
 # --- what cannot be written, and what does not hold -------------------------------------------------------------

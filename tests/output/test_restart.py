@@ -212,7 +212,8 @@ def test_killed_several_times(ranks, uninterrupted, tmp_path):
         ("unknowns", " 3/11", " 9/11"), ranks, (first, ["--resume", folder], ["--resume", folder])
     ):
         assert kill_after(word, *arguments, ranks=count) != 0
-        assert not (folder / "summary.json").exists()
+        summary = folder / "summary.json"  # rank 0 may have heard of the other's end
+        assert not summary.exists() or json.loads(summary.read_text())["converged"] is False
     done = run_command("--resume", folder, ranks=ranks[-1])
     assert done.returncode == 0, done.stderr
     assert "going on after increment" in done.stdout
