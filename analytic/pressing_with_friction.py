@@ -15,11 +15,11 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from .checks import require
+from .half_plane.surface_kernel import PowerLawKernel
 from .material import GradedHalfPlane
 from .profile import PowerProfile
 from .punch_fields import PunchFields
 from .punch_with_friction import COARSE, TERMS, Medium, punch_with_friction
-from .half_plane.surface_kernel import PowerLawKernel
 
 
 @dataclass(frozen=True)

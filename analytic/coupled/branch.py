@@ -118,7 +118,7 @@ class Branch:
         if (tension := weight @ np.maximum(-p, 0)) > CONDITIONS:
             raise ContactNotConverged(f"Q = {state.Q:g} P: the pressure is negative, its integral {tension:.1e} P")
         if (over := weight @ np.maximum(np.abs(q) - self.problem.mu * p, 0)) > CONDITIONS:
-            raise ContactNotConverged(f"Q = {state.Q:g} P: q exceeds its limit where it sticks, its integral {over:.1e} P")
+            raise ContactNotConverged(f"Q = {state.Q:g} P: q exceeds its limit where it sticks, by {over:.1e} P in all")
 
     def _crossings(self):
         """Loads at which an edge of stick passes a place where it turned before."""

@@ -68,7 +68,8 @@ def solve(problem, base, friction, edges, zone_references, Q) -> Solution:
     u = np.linalg.solve(A, b)
     coefficients = u[left], u[stick_p], u[right], u[stick_q]
     delta_x, delta_y = base.delta_x + u[load_q][0], u[load_p][0]
-    return Solution(SlipState(base, friction, Q, zones, coefficients, delta_x, delta_y), _amplitudes(zones, coefficients, friction))
+    state = SlipState(base, friction, Q, zones, coefficients, delta_x, delta_y)
+    return Solution(state, _amplitudes(zones, coefficients, friction))
 
 
 def _amplitudes(zones, coefficients, friction):

@@ -44,7 +44,7 @@ class CoupledLoop:
         first = next((i for i, (_, Q) in enumerate(loads) if Q != 0), len(loads))
         for P, _ in loads[max(first - 1, 0) :]:
             if P != self.P:
-                raise ContactNotConverged(f"P = {P!r} while Q acts: P stays at {self.P!r} from the end of the normal stage")
+                raise ContactNotConverged(f"P = {P!r} while Q acts: P has to stay at {self.P!r} after the normal stage")
         states = [self._pressed(P) for P, _ in loads[:first]]
         return states + self._tangential([Q / self.P for _, Q in loads[first:]])
 
@@ -57,7 +57,9 @@ class CoupledLoop:
         """States at the loads Q/P."""
         normal = NormalStage(self.solid, self.profile, self.P)
         problem = normal.problem(self.profile, self.mu, self.coupling, self.order)
-        units, base, energy, branches, states = Units.of(normal), normal, 0.0, [], []
+        units, base, energy = Units.of(normal), normal, 0.0
+        branches: list[Branch] = []
+        states: list[CoupledState] = []
         for direction, Qs in branches_of(loads):
             span = abs(Qs[-1] - base.Q)
             guess = self._guess(branches, direction)
@@ -87,7 +89,8 @@ class CoupledLoop:
 
 def branches_of(loads):
     """Parts of ``loads`` between turns, each a direction and its loads; they start from zero."""
-    parts, last = [], 0.0
+    parts: list[tuple[float, list[float]]] = []
+    last = 0.0
     for Q in loads:
         direction = float(np.sign(Q - last))
         if parts and direction in (0.0, parts[-1][0]):

@@ -59,7 +59,7 @@ def legendre(x, count):
 
 
 def graded(low, high, to_low=0, to_high=0, ratio=0.15):
-    """Break points from low to high whose panels shrink by ``ratio`` so many times towards the ends, from the middle."""
+    """Break points from low to high; panels shrink by ``ratio`` so many times towards the ends, from the middle."""
     half = (high - low) / 2
     points = [[low, low + half, high]] if to_low or to_high else [[low, high]]
     points += [low + half * ratio ** np.arange(1, to_low + 1), high - half * ratio ** np.arange(1, to_high + 1)]

@@ -7,8 +7,8 @@ from functools import cached_property
 import numpy as np
 
 from ..cylinder import CylinderContact
-from ..normal import ProfileContact
 from ..half_plane.surface_kernel import PowerLawKernel
+from ..normal import ProfileContact
 from .exponents import edge_exponent
 from .panels import GAUSS, Panels, even_kernel, graded
 from .tractions import Source
@@ -108,7 +108,8 @@ class NormalStage:
             panels, values = self._sampled
             r = np.minimum(np.abs(x), 1.0)
             j = np.clip(np.searchsorted(panels.low, r, side="right") - 1, 0, len(panels.low) - 1)
-            p = _interpolated((r - panels.middle[j]) / panels.half[j], values.reshape(-1, len(GAUSS))[j]) * self._root(r)
+            at = (r - panels.middle[j]) / panels.half[j]
+            p = _interpolated(at, values.reshape(-1, len(GAUSS))[j]) * self._root(r)
         return np.stack([p, np.zeros_like(p)])
 
     table = tractions

@@ -41,7 +41,7 @@ class Units:
 
 
 class CoupledState:
-    """State at the loads P and Q [stress x length]; arrays are values at the nodes x of the contact, in increasing order.
+    """State at the loads P and Q [stress x length]; arrays are values at the nodes x of the contact, which increase.
 
     x: nodes [length], gathered at the edges and where the tractions are not smooth; weight, weight_q: their quadrature
     weights [length]; pressure, traction [stress]; slip: u_x - delta_x since the end of the normal stage [length];

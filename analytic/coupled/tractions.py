@@ -85,7 +85,8 @@ class Table:
 
     def __init__(self, state):
         points = np.array([state.contact[0], *state.breaks, state.contact[1]])
-        pieces = [graded(a, b, TABLE_LEVELS, TABLE_LEVELS, TABLE_RATIO) for a, b in zip(points, points[1:], strict=False)]
+        levels = TABLE_LEVELS, TABLE_LEVELS
+        pieces = [graded(a, b, *levels, TABLE_RATIO) for a, b in zip(points, points[1:], strict=False)]
         self.points = np.unique(np.concatenate(pieces))
         self.panels = Panels.between(self.points)
         values = state.tractions(self.panels.nodes).reshape(2, -1, NODES)

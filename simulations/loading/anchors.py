@@ -22,7 +22,7 @@ from forms.contact import CLOSED, OPEN
 
 from ..fem.contact_problem import ContactProblem
 
-# r is measured between two distances from the edge, in units of its motion in the step. A wrong r is seen the better the
+# r is measured between two distances from the edge, in units of its motion in the step. A wrong r is seen better the
 # further out, and the edge's own r the better the closer to it; without coupling r is the same everywhere.
 COUPLED, UNCOUPLED = (0.1, 0.6), (0.5, 2.0)
 BESIDE = 8  # points beside the edge, whose displacement has the error of the facet that it cuts

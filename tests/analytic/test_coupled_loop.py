@@ -123,7 +123,7 @@ def test_branches():
 
 @pytest.mark.parametrize("k", [-0.5, 0.0, 0.3])
 def test_kernels_over_panels(k):
-    """∫ R(x - t) t dt and ∫ O(x - t) t dt over 0 < t < 1 against their antiderivatives, near, in and far from panels."""
+    """∫ R(x - t) t dt and ∫ O(x - t) t dt over 0 < t < 1 against antiderivatives, near, in and far from panels."""
     panels = Panels.between(np.array([0.0, 0.3, 1.0]))
     for x in (-0.2, 1e-3, 0.3, 0.77, 1.01, 1.5):
         even, odd = (m[0] @ panels.nodes for m in panels.matrices(np.array([x]), k))
