@@ -22,8 +22,8 @@ from forms.contact import CLOSED, OPEN
 
 from ..fem.contact_problem import ContactProblem
 
-# r is measured between two distances from the edge, in units of its motion in the step. A wrong r is seen better the
-# further out, and the edge's own r the better the closer to it; without coupling r is the same everywhere.
+# r is measured between two distances from the edge, in units of its motion in the step. A wrong r is seen best
+# far out, the r of the edge itself best close to it; without coupling r is the same everywhere.
 COUPLED, UNCOUPLED = (0.1, 0.6), (0.5, 2.0)
 BESIDE = 8  # points beside the edge, whose displacement has the error of the facet that it cuts
 STEPS = 0.3, 3.0  # shortest and longest step of the secant method, over the defect
