@@ -22,8 +22,8 @@ from forms.contact import CLOSED, OPEN
 
 from ..fem.contact_problem import ContactProblem
 
-# r is measured between two distances from the edge, in units of its motion in the step. A wrong r is seen best
-# far out, the r of the edge itself best close to it; without coupling r is the same everywhere.
+# r is measured between two distances from the edge, in units of its motion in the step. The further out, the better a
+# wrong r is seen; the closer, the more it is the edge's own. Without coupling r is the same everywhere.
 COUPLED, UNCOUPLED = (0.1, 0.6), (0.5, 2.0)
 BESIDE = 8  # points beside the edge, whose displacement has the error of the facet that it cuts
 STEPS = 0.3, 3.0  # shortest and longest step of the secant method, over the defect
@@ -58,6 +58,8 @@ class EnteringPoints:
         start = sum(len(part[0]) for part in parts[: self._comm.rank])
         self._mine = np.argsort(self._order)[start : start + len(problem.points.x)]
         self._ratios = {side: Ratio() for side in SIDES}
+        self._before: Surface | None = None
+        self._after: Surface | None = None  # as last measured
         self._draws = False  # anchors points that stop where the edge of stick drew them
 
     def begin(self, clearance: np.ndarray, is_first_contact: bool):
@@ -71,7 +73,7 @@ class EnteringPoints:
         states = np.where((clearance > 0) | is_first_contact, OPEN, states)
         self._before = Surface(*self._gathered(states, memory.anchors(), clearance))
         self._ratios = {side: Ratio(ratio.value) for side, ratio in self._ratios.items()}
-        self._draws = False
+        self._draws, self._after = False, None
         if not is_first_contact:
             self._put(anchors_of_entering(self._x, self._before, self._before, self._ratios))
 
@@ -119,6 +121,8 @@ class EnteringPoints:
     def end(self):
         """After the points have come to rest: let open ones beside an edge follow those next to them by r."""
         before, after = self._before, self._after
+        if after is None or not self._beside:
+            return
         (anchors,) = self._gathered(self._problem.memory.anchors())
         for side in SIDES:
             beyond = open_points(after.states, side)

@@ -1,55 +1,76 @@
-"""Where points that come to stick within an increment did so, from the contact states before and after."""
+"""Anchors of points that enter contact, or stop sliding, within a load step: from the states before and after."""
 
 import numpy as np
 import pytest
 
 from forms.contact import BACKWARD, CLOSED, FORWARD, OPEN
-from simulations.loading.anchors import stops
+from simulations.loading.anchors import Ratio, Surface, anchors_of_entering, anchors_of_stopped, measure
 
-X = np.linspace(-1.05, 1.05, 43)  # spaced by 0.05
-
-
-def states(stick: float, contact: float) -> np.ndarray:
-    """Pressed symmetrically: stick in the middle, sliding outwards around it, open beyond."""
-    found = np.full(len(X), CLOSED)
-    found[X > stick], found[X < -stick] = BACKWARD, FORWARD
-    found[np.abs(X) > contact] = OPEN
-    return found
+X = np.linspace(-1.5, 1.5, 121)
 
 
-def test_they_lie_on_the_curve_that_the_edge_has_drawn():
+def touching(half_width, s=0.0, stick=None) -> Surface:
+    """A contact with a clearance that grows like the 3/2-th power beyond it; sliding outwards beyond ``stick``."""
+    states = np.where(np.abs(X) <= half_width, CLOSED, OPEN)
+    if stick is not None:
+        states[(X > stick) & (states == CLOSED)], states[(X < -stick) & (states == CLOSED)] = BACKWARD, FORWARD
+    return Surface(states, np.zeros(len(X)) + s, np.maximum(np.abs(X) - half_width, 0.0) ** 1.5)
+
+
+def test_open_points_move_by_the_ratio_until_they_touch():
+    ratios = {-1: Ratio(0.2), 1: Ratio(-0.3)}
+    before = touching(0.5, s=0.1)
+    anchors = anchors_of_entering(X, before, touching(0.7), ratios)
+    inside = np.abs(X) <= 0.5
+    assert np.array_equal(anchors[inside], before.s[inside])
+    assert anchors[X > 0.5] == pytest.approx(0.1 - 0.3 * before.clearance[X > 0.5])
+    assert anchors[X < -0.5] == pytest.approx(0.1 + 0.2 * before.clearance[X < -0.5])
+
+
+def test_the_ratio_is_measured_on_points_that_are_open_still():
+    before, after = touching(0.5), touching(0.7)
+    moved = np.where(X > 0, -0.3, 0.2) * (before.clearance - after.clearance)
+    moved[np.abs(X) < 0.7] = 7.0  # nothing is learnt from these
+    ratios = {-1: Ratio(), 1: Ratio()}
+    measure(X, before, Surface(after.states, before.s + moved, after.clearance), ratios, (0.1, 0.6), 0)
+    assert (ratios[-1].value, ratios[1].value) == pytest.approx((0.2, -0.3))
+
+
+def test_a_side_that_does_not_grow_keeps_its_ratio():
+    ratios = {-1: Ratio(0.2), 1: Ratio(-0.3)}
+    measure(X, touching(0.7), touching(0.5), ratios, (0.1, 0.6), 0)
+    assert (ratios[-1].value, ratios[1].value) == (0.2, -0.3)
+
+
+@pytest.mark.parametrize("share", [0.5, 1.4])
+def test_what_is_seen_of_a_wrong_ratio_does_not_matter_to_the_secant_method(share):
+    ratio = Ratio(0.0)
+    for _ in range(3):
+        ratio.improve(ratio.value + share * (0.7 - ratio.value))
+    assert ratio.value == pytest.approx(0.7)
+
+
+def test_first_contact_starts_in_the_middle_under_a_power():
+    before = Surface(np.full(len(X), OPEN), np.zeros(len(X)), np.abs(X) ** 3)
+    anchors = anchors_of_entering(X, before, touching(0.7), {-1: Ratio(0.5), 1: Ratio(-0.5)})
+    assert anchors == pytest.approx(-0.5 * X * np.abs(X) ** 2, abs=1e-12)
+
+
+def test_points_that_stop_lie_on_the_curve_that_the_edge_of_stick_has_drawn():
     """A quadratic curve is known from where points stuck already, and from the point at the edge."""
-    before, after = states(0.5, 0.6), states(0.72, 0.82)
-    rest = X * np.abs(X)
-    wrong = np.where((before != CLOSED) & (after == CLOSED), rest + 1.0, rest)
-    places, positions = stops(X, before, after, wrong)
-    assert np.array_equal(places, (before != CLOSED) & (after == CLOSED))
-    assert positions[places] == pytest.approx(rest[places], abs=1e-12)
-    assert np.array_equal(positions[~places], wrong[~places])
-
-
-def test_first_contact_starts_in_the_middle():
-    places, positions = stops(X, np.full(len(X), OPEN), states(0.32, 0.42), 2.0 * X * np.abs(X))
-    assert np.array_equal(places, np.abs(X) <= 0.32)
-    assert positions == pytest.approx(2.0 * X * np.abs(X))
+    curve = X * np.abs(X)
+    before, after = touching(0.8, s=curve, stick=0.4), touching(1.0, s=curve, stick=0.6)
+    after.s[(np.abs(X) > 0.4) & (np.abs(X) <= 0.6)] = 9.0  # where they are anchored now does not matter
+    for side in (-1, 1):
+        points, anchors = anchors_of_stopped(X, before, after, side)
+        assert np.array_equal(np.sort(points), np.flatnonzero((side * X > 0.4) & (side * X <= 0.6)))
+        assert anchors == pytest.approx(curve[points], abs=1e-12)
 
 
 def test_points_that_stop_as_the_load_turns_back_stay():
     """All slid to the right around the stick; now those further out slide to the left."""
-    before, after = np.full(len(X), FORWARD), np.full(len(X), CLOSED)
-    before[np.abs(X) < 0.32] = CLOSED
-    after[np.abs(X) > 0.62] = BACKWARD
-    assert not np.any(stops(X, before, after, np.sin(X))[0])
-
-
-def test_points_that_touch_and_stick_are_new_though_their_neighbours_turned_back():
-    before, after = np.full(len(X), CLOSED), np.full(len(X), CLOSED)
-    before[X > 0.32], before[X > 0.62], after[X > 0.82] = FORWARD, OPEN, OPEN
-    places, positions = stops(X, before, after, X)
-    assert np.array_equal(places, (X > 0.62) & (X < 0.82))
-    assert positions == pytest.approx(X)
-
-
-def test_nothing_new():
-    for pair in ((0.5, 0.6), (0.3, 0.6)):
-        assert not np.any(stops(X, states(0.5, 0.6), states(*pair), X)[0])
+    before, after = touching(0.8), touching(0.8, stick=0.6)
+    before.states[(np.abs(X) > 0.3) & (np.abs(X) <= 0.8)] = FORWARD
+    after.states[after.states == FORWARD] = BACKWARD
+    for side in (-1, 1):
+        assert len(anchors_of_stopped(X, before, after, side)[0]) == 0

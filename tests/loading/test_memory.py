@@ -1,0 +1,91 @@
+"""Paths on which P grows while Q acts, and the work of friction on loops: no answer depends on the load steps."""
+
+import numpy as np
+import pytest
+from conftest import COARSE
+from mpi4py import MPI
+
+from simulations.api import make_scene
+from simulations.runs import checks
+from simulations.runs.simulation import Simulation
+from simulations.runs.springs import Springs
+
+MESH = COARSE | {
+    "mesh.facet": 0.05,
+    "mesh.edge_facet": 4e-3,
+    "mesh.growth": 1.5,
+    "mesh.first_layer": 4e-3,
+    "mesh.layer_growth": 1.5,
+}
+HOLL = {"solid.E0": 210e9, "solid.k": 0.3, "solid.nu": "holl", "solid.y0_over_a0": 10.0, "indenter.R": 0.1}
+UNCOUPLED = HOLL | {"solid.E0": 1e9, "solid.nu": 0.3, "solid.y0_over_a0": 3.0, "effects.coupling": False}
+STICKS = {
+    "holl": HOLL | {"load.mu": 0.3, "load.points": [[2.5e5, 0.0], [1e6, 1.2e5]]},
+    "uncoupled": UNCOUPLED | {"load.mu": 0.4, "load.points": [[2500.0, 0.0], [1e4, 1500.0]]},
+    "steep": UNCOUPLED | {"solid.k": -0.4, "load.mu": 0.4, "load.points": [[2500.0, 0.0], [1e4, 1500.0]]},
+}
+THERE_AND_BACK = UNCOUPLED | {
+    "load.mu": 0.3,
+    "load.points": [[1e4, 0.0], [1e4, 2e3], [6e3, 1e3], [1e4, -1e3]],
+}
+LOOP = HOLL | {"solid.modulus": "homogeneous", "solid.nu": 0.3, "load.P": 1e6, "load.mu": 0.6, "load.amplitude": 0.6}
+del LOOP["solid.k"], LOOP["solid.y0_over_a0"]
+
+
+def run(scene, steps, **changes) -> Simulation:
+    keys = scene | MESH | {"solver.increments": steps} | changes
+    return Simulation(MPI.COMM_SELF, make_scene(keys, base=None)).run_to_end()
+
+
+def traction_error(simulation) -> float:
+    """Of the last state against the springs, relative L2."""
+    last = simulation.history.entries[-1]
+    exact = Springs(simulation.contact, simulation.mu, simulation.schedule).traction(last, last.surface.x)
+    w = last.surface.weight
+    return float(np.sqrt(w @ (last.surface.traction - exact) ** 2 / (w @ exact**2)))
+
+
+def failing(simulation) -> list[str]:
+    found = checks.check(simulation.history, simulation.scaled.indenter.height, "coupling" in simulation.effects)
+    return [name for name, value in found.items() if not value.holds]
+
+
+@pytest.mark.parametrize("steps", [1, 3, 6, 24])
+@pytest.mark.parametrize("name, error", [("holl", 2.5e-3), ("uncoupled", 2e-3), ("steep", 2e-2)])
+def test_what_sticks_all_the_way_is_exact_with_any_number_of_steps(name, error, steps):
+    """q = dQ/dP (p - p of the first point) to the error of the mesh, which has k < 0 at its steep edges."""
+    simulation = run(STICKS[name], steps)
+    last = simulation.history.entries[-1]
+    assert traction_error(simulation) < error
+    assert last.c == pytest.approx(last.a, rel=4e-3 if name == "steep" else 1e-3)
+    assert last.dissipated < 1e-6
+    assert not failing(simulation)
+
+
+def test_anchored_where_the_step_began_points_are_too_early():
+    simulation = Simulation(MPI.COMM_SELF, make_scene(STICKS["holl"] | MESH | {"solver.increments": 3}, base=None))
+    simulation.solver.configure(anchor_passes=0)
+    assert traction_error(simulation.run_to_end()) > 0.1
+
+
+@pytest.mark.parametrize("steps", [3, 12])
+def test_a_path_with_slip_and_stick_by_turns(steps):
+    simulation = run(THERE_AND_BACK, steps)
+    assert traction_error(simulation) < 5e-3
+    springs = Springs(simulation.contact, simulation.mu, simulation.schedule)
+    assert simulation.history.entries[-1].dissipated == pytest.approx(springs.dissipated_energy(), rel=2e-3)
+    assert not failing(simulation)
+
+
+def test_frictional_work_of_a_coupled_loop_does_not_depend_on_the_steps():
+    """The states of such a loop do not either: what differs is the work rule."""
+    few, many = (run(LOOP, steps).history for steps in (6, 24))
+    assert few.dissipated_energy == pytest.approx(many.dissipated_energy, rel=2e-4)
+    assert few.entries[-1].surface.traction == pytest.approx(many.entries[-1].surface.traction, abs=1e-8)
+
+
+def test_a_dwell_and_a_return_pass_the_check_of_slip():
+    """Nothing moves at a dwell: what moves there is round-off, and so is the work that it does."""
+    points = [[1e6, 0.0], [1e6, 2e5], [1e6, 2e5], [1e6, 1e5], [1e6, 2e5], [1e6, 2e5]]
+    simulation = run(HOLL | {"load.mu": 0.3, "load.points": points}, 1)
+    assert checks.check(simulation.history, simulation.scaled.indenter.height, True)["slip against q"].value < 1e-6
