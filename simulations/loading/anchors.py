@@ -58,8 +58,8 @@ class EnteringPoints:
         start = sum(len(part[0]) for part in parts[: self._comm.rank])
         self._mine = np.argsort(self._order)[start : start + len(problem.points.x)]
         self._ratios = {side: Ratio() for side in SIDES}
-        self._before: Surface | None = None
-        self._after: Surface | None = None  # as last measured
+        self._before: Surface = None  # type: ignore[assignment]  # made by ``begin``
+        self._after: Surface = None  # type: ignore[assignment]  # as last measured
         self._draws = False  # anchors points that stop where the edge of stick drew them
 
     def begin(self, clearance: np.ndarray, is_first_contact: bool):
@@ -73,7 +73,8 @@ class EnteringPoints:
         states = np.where((clearance > 0) | is_first_contact, OPEN, states)
         self._before = Surface(*self._gathered(states, memory.anchors(), clearance))
         self._ratios = {side: Ratio(ratio.value) for side, ratio in self._ratios.items()}
-        self._draws, self._after = False, None
+        self._draws = False
+        self._after = None  # type: ignore[assignment]
         if not is_first_contact:
             self._put(anchors_of_entering(self._x, self._before, self._before, self._ratios))
 
