@@ -9,9 +9,9 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
 from ..fem.contact_problem import ContactProblem, X, Y
+from ..fem.load import Load
 from ..solvers.newton import Newton, NewtonResult
 from .pinning import PinnedPoint
-from .schedule import Load
 
 
 @dataclass(frozen=True)

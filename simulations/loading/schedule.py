@@ -1,28 +1,10 @@
 """The load schedule: every load step with its loads, branch and state name, in order."""
 
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
 
-
-class Load(NamedTuple):
-    """Line loads (dimensionless): P presses, Q shears along x."""
-
-    P: float
-    Q: float = 0.0
-
-    @property
-    def components(self) -> tuple[float, float]:
-        """(Q, P): along x and along y, as the directions of forms.contact count them."""
-        return self.Q, self.P
-
-    def halfway_to(self, other: "Load") -> "Load":
-        """The mean of both loads."""
-        return Load((self.P + other.P) / 2, (self.Q + other.Q) / 2)
-
-
-NO_LOAD = Load(0.0, 0.0)
+from ..fem.load import Load
 
 
 @dataclass(frozen=True)

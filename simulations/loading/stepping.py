@@ -5,10 +5,11 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from ..fem.contact_problem import ContactProblem
+from ..fem.load import NO_LOAD, Load
 from ..solvers.newton import FORCE_TOLERANCE, Newton, NewtonResult, System
 from .anchors import EnteringPoints
 from .fallbacks import FALLBACKS, Options
-from .schedule import NO_LOAD, Load, LoadStep
+from .schedule import LoadStep
 
 
 class SolveError(RuntimeError):

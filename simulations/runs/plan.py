@@ -1,7 +1,8 @@
 """What a scene asks for before anything is meshed: scaled problem, closed forms, load schedule, wanted cell sizes."""
 
+from ..fem.load import Load
 from ..fem.mesh import Grading
-from ..loading.schedule import Load, pressing, rocking, visiting
+from ..loading.schedule import pressing, rocking, visiting
 from ..scene import Scene
 from ..scene.effects import Effects
 from ..scene.scaling import Scaled

@@ -160,7 +160,7 @@ class Newton:
         self.after_residual = lambda: False  # likewise; True where it changed the problem, whose residual is renewed
 
     def solve(self, load, predict=False, confirm=False) -> NewtonResult:
-        """Balance the line loads ``load`` (loading.schedule.Load), P > 0.
+        """Balance the line loads ``load`` (fem.load.Load), P > 0.
 
         predict: start with a step in which all points in contact stick; confirm: one more iteration after the last, to
         see whether contact states still change.

@@ -7,13 +7,14 @@ from test_patch import confined_block, pressed
 
 from forms.contact import CLOSED, X, Y
 from simulations.fem.contact_problem import ContactProblem, Nitsche
+from simulations.fem.load import Load
 
 
 @pytest.fixture(scope="module", params=[(0.0, False), (0.3, False), (0.3, True)], ids=["k=0", "k=0.3", "mixed"])
 def at_rest(request):
     """The frictional problem of a block pressed and sheared, in equilibrium, and its load."""
     body, _ = confined_block(*request.param)
-    load = (0.2, 0.8)
+    load = Load(P=0.8, Q=0.2)
     problem = pressed(body, True, load, "full")
     problem.memory.come_to_rest()
     return problem, load
@@ -50,11 +51,11 @@ def test_a_point_at_rest_stays_where_it_is(at_rest):
 def test_held_pressure_is_that_of_the_frictionless_problem(at_rest):
     """Held where it is: with no tangential displacement of its own the tangential problem carries no traction."""
     body, _ = confined_block(0.3)
-    normal = pressed(body, False, (0.0, 0.8), "full")
+    normal = pressed(body, False, Load(0.8), "full")
     tangential = ContactProblem(body, np.zeros_like, Nitsche(), (X,), mu=0.5)
     tangential.hold_pressure(normal)
     tangential.memory.release()
     assert np.array_equal(tangential.terms.nodal_forces(Y), normal.terms.nodal_forces(Y))
-    residual, imbalance = tangential.terms.residual((0.0, 0.8))
+    residual, imbalance = tangential.terms.residual(Load(0.8))
     assert residual.norm() < 1e-10 and abs(imbalance[0]) < 1e-12
     assert np.abs(tangential.held.remove_tangential()).max() == 0.0

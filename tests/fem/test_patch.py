@@ -7,6 +7,7 @@ from mpi4py import MPI
 from forms.modulus import PowerLaw
 from simulations.fem.body import ElasticBody, X, Y
 from simulations.fem.contact_problem import ContactProblem, Nitsche
+from simulations.fem.load import Load
 from simulations.fem.mesh import create_mesh
 from simulations.fem.surface import SurfaceSampler
 from simulations.solvers.condensed.surface_compliance import SurfaceCompliance
@@ -37,7 +38,7 @@ def pressed(body, friction, load, method) -> ContactProblem:
     """In equilibrium with a flat punch that covers the whole surface: pressed first, then sheared."""
     compliance = SurfaceCompliance(body)
     body.delta.value[:] = (0.0, 0.1)
-    stages = [(False, (0.0, load[1])), (True, load)]
+    stages = [(False, Load(load.P)), (True, load)]
     for with_friction, stage_load in stages[: 1 + friction]:
         problem = ContactProblem(body, np.zeros_like, Nitsche(), (X, Y) if with_friction else (Y,), mu=0.5)
         if with_friction:
@@ -53,12 +54,12 @@ def pressed(body, friction, load, method) -> ContactProblem:
 @pytest.mark.parametrize("k, mixed", [(0.0, False), (0.3, False), (0.7, False), (0.0, True), (0.3, True)])
 def test_uniform_tractions(k, mixed, friction, method):
     body, exact = confined_block(k, mixed)
-    load = (0.2 if friction else 0.0, 0.8)
+    load = Load(P=0.8, Q=0.2 if friction else 0.0)
     problem = pressed(body, friction, load, method)
     state = SurfaceSampler(body, problem).sample(problem)
-    u = exact(0.0, 0.0, P=load[1], Q=load[0])
-    assert state.pressure == pytest.approx(load[1] / WIDTH, rel=1e-9)
-    assert state.traction == pytest.approx(load[0] / WIDTH, rel=1e-9, abs=1e-12)
+    u = exact(0.0, 0.0, P=load.P, Q=load.Q)
+    assert state.pressure == pytest.approx(load.P / WIDTH, rel=1e-9)
+    assert state.traction == pytest.approx(load.Q / WIDTH, rel=1e-9, abs=1e-12)
     assert state.u[1] == pytest.approx(u[1], rel=1e-9)
     assert state.delta[1] == pytest.approx(u[1], rel=1e-9)
     if friction:
