@@ -43,6 +43,9 @@ class Surface:
         return Surface(self.states[which], self.s[which], self.clearance[which])
 
 
+NOTHING = Surface(np.zeros(0), np.zeros(0), np.zeros(0))
+
+
 class EnteringPoints:
     """Anchors the points that enter contact in a load step of a frictional problem."""
 
@@ -58,8 +61,7 @@ class EnteringPoints:
         start = sum(len(part[0]) for part in parts[: self._comm.rank])
         self._mine = np.argsort(self._order)[start : start + len(problem.points.x)]
         self._ratios = {side: Ratio() for side in SIDES}
-        self._before: Surface | None = None
-        self._after: Surface | None = None  # as last measured
+        self._before = self._after = NOTHING  # the states before the step, and after it as last measured
         self._draws = False  # anchors points that stop where the edge of stick drew them
 
     def begin(self, clearance: np.ndarray, is_first_contact: bool):
@@ -73,7 +75,7 @@ class EnteringPoints:
         states = np.where((clearance > 0) | is_first_contact, OPEN, states)
         self._before = Surface(*self._gathered(states, memory.anchors(), clearance))
         self._ratios = {side: Ratio(ratio.value) for side, ratio in self._ratios.items()}
-        self._draws, self._after = False, None
+        self._draws, self._after = False, NOTHING
         if not is_first_contact:
             self._put(anchors_of_entering(self._x, self._before, self._before, self._ratios))
 
@@ -121,7 +123,7 @@ class EnteringPoints:
     def end(self):
         """After the points have come to rest: let open ones beside an edge follow those next to them by r."""
         before, after = self._before, self._after
-        if after is None or not self._beside:
+        if after is NOTHING or not self._beside:
             return
         (anchors,) = self._gathered(self._problem.memory.anchors())
         for side in SIDES:
