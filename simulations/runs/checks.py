@@ -123,7 +123,8 @@ def wrong_slip(before: SurfaceState, after: SurfaceState, mu: float, reach: floa
     limit = mu * after.pressure
     sliding = np.abs(after.traction) >= limit - AT_LIMIT * limit.max()
     moved = after.relative_displacement - before.relative_displacement
-    work = np.where(sliding & (after.pressure > 0), -after.weight * after.traction * moved, 0.0)
+    touches = (before.pressure > 0) & (after.pressure > 0)  # of points that enter contact only a part is slip
+    work = np.where(sliding & touches, -after.weight * after.traction * moved, 0.0)
     most = after.line_load(limit) * max(largest_motion(before, after), SMALL * reach)
     return float(-work[work < 0].sum() / most) if most > 0 else 0.0
 

@@ -78,7 +78,7 @@ def of_same_physics(simulation: Simulation, tell: Tell | None = None) -> Referen
         raise NoReference("there is no closed form of this problem, and reference.kind = closed form")
     if step_free.serves(simulation):
         try:
-            return step_free.StepFree(simulation, tell)
+            return step_free.StepFree(simulation)
         except NoReference:  # the other solver may
             pass
     return MeshFree(simulation, tell)

@@ -4,7 +4,7 @@ from analytic import CoupledLoop
 from analytic.half_plane.linear import ContactNotConverged
 
 from .history import Entry
-from .mesh_free import NoReference, Tell
+from .mesh_free import NoReference
 from .simulation import Simulation
 from .springs import last_cycle
 
@@ -17,22 +17,17 @@ def serves(simulation: Simulation) -> bool:
 
 
 class StepFree:
-    """States of ``analytic.CoupledLoop`` at the load steps of a simulation; NoReference where it does not converge.
-
-    tell: called when all states are there.
-    """
+    """States of ``analytic.CoupledLoop`` at the load steps of a simulation; NoReference where it does not converge."""
 
     name = "half-plane solver without load steps"
 
-    def __init__(self, simulation: Simulation, tell: Tell | None = None):
+    def __init__(self, simulation: Simulation):
         scaled, self._schedule = simulation.scaled, simulation.schedule
         loop = CoupledLoop(scaled.solid, scaled.indenter.analytic(), P=1.0, mu=simulation.mu)
         try:
             self._states = loop.run([step.load for step in self._schedule])
         except (ContactNotConverged, ValueError, ArithmeticError) as failure:
             raise NoReference(str(failure)) from None
-        if tell:
-            tell(len(self._states), len(self._states))
 
     def pressure(self, entry: Entry, x):
         """p."""

@@ -31,7 +31,7 @@ def test_both_methods_give_the_same_loop(condensed):
 def test_fields_are_in_equilibrium_after_condensation(condensed):
     """The recovered displacement field satisfies the full problem, whose residual the condensed solve never formed."""
     problem = condensed.solver.problem
-    force, imbalance = problem.residual(condensed.schedule[-1].load)
+    force, imbalance = problem.terms.residual(condensed.schedule[-1].load)
     P = condensed.schedule[-1].P
     assert force.norm() < 1e-8 * P
     assert np.abs(imbalance).max() < 1e-8 * P
@@ -79,11 +79,11 @@ def test_a_state_out_of_balance_is_not_accepted(method):
     u = body.state.x.array.copy()
     body.state.x.array[2 * nodes[np.argmin(abs(x - 0.5))] + 1] += 2e-4
     body.state.x.array[2 * nodes[np.argmin(abs(x + 0.5))] + 1] -= 2e-4
-    assert problem.residual(load)[0].norm() > 1e-4 * load.P
+    assert problem.terms.residual(load)[0].norm() > 1e-4 * load.P
     assert not newton.balance(load).converged
     result = newton.solve(load)
     assert result.converged and result.iterations > 0
-    assert problem.residual(load)[0].norm() < 1e-7 * load.P
+    assert problem.terms.residual(load)[0].norm() < 1e-7 * load.P
     body.complete()
     assert body.state.x.array == pytest.approx(u, abs=1e-7)
 
