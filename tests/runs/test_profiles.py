@@ -68,13 +68,15 @@ def test_any_path_of_loads_with_varying_pressure(coupling):
     steps = 6
     simulation = solved(text, **(MEDIUM | {"solver__increments": steps}), effects__coupling=coupling, solid__nu=0.3)
     other = MeshFree(simulation)
-    found = compare(simulation.history, other)
-    for name, limit in {"pressure_l2": 1e-3, "a": 1e-3, "slip_l2": 5e-3, "dissipated_energy": 2e-3}.items():
-        assert abs(found[name]) < limit, (name, found[name])
-    # where the contact grows again, the traction keeps a kink at every earlier edge: with a few hundred nodes the
-    # half-plane solver is there 1e-2 off its own answer with 1000
-    traction = [compare_state(entry, other).get("traction_l2", 0.0) for entry in simulation.history.entries]
-    assert max(traction[: 1 + 2 * steps]) < 5e-3 and traction[-1] < 2e-2
+    found = [compare_state(entry, other) for entry in simulation.history.entries]
+    # while P is constant, or falls
+    for name, limit in {"pressure_l2": 1e-3, "traction_l2": 5e-3, "slip_l2": 5e-3}.items():
+        assert max(state.get(name, 0.0) for state in found[: 1 + 2 * steps]) < limit, name
+    # Where P grows again the solver, with load steps of its own, is of first order in them: with two for one of the run
+    # q is 3e-2 off what it has with eight.
+    assert found[-1]["pressure_l2"] < 2e-3 and found[-1]["traction_l2"] < 6e-2
+    deviation = compare(simulation.history, other)
+    assert abs(deviation["a"]) < 1e-3 and abs(deviation["dissipated_energy"]) < 1e-2
     P = [entry.surface.line_load(entry.surface.pressure) for entry in simulation.history.entries]
     assert P == pytest.approx([increment.P for increment in simulation.schedule], rel=1e-8)
     assert np.ptp(P) == pytest.approx(0.4)

@@ -20,7 +20,6 @@ from simulations.runs.simulation import Simulation
 from simulations.scene import SceneError, make_scene
 from simulations.solvers import newton
 from simulations.solvers.condensed import tangent
-from simulations.solvers.condensed.tangent import DenseTangent
 from simulations.studies import stability
 from simulations.studies.stability_report import GREEN, REFUSED
 
@@ -88,7 +87,7 @@ def test_a_cycle_ends_at_once(monkeypatch):
     scene = {"solid__nu": 0.3, "effects__friction_in_normal_stage": "true"}
     quick = iterations(**scene)
     monkeypatch.setattr(newton, "ROUNDS", 10**9)
-    assert iterations(**scene) > 1.8 * quick
+    assert iterations(**scene) > 1.5 * quick
 
 
 def wiggles(**changes) -> float:
@@ -117,11 +116,6 @@ def test_steps_are_refined(monkeypatch):
     """Box-like pressure on fine facets: forces of 1e7 P cancel in the first step."""
     box = {"solid__k": -0.9, "solid__nu": 0.3, "mesh__facet": 0.05, "mesh__edge_facet": 5e-3, "mesh__first_layer": 5e-3}
     solved(**box, load__cycles=0)
-    solve = DenseTangent.solve
-    monkeypatch.setattr(DenseTangent, "solve", lambda self, b, load: solve(self, b, np.inf))  # over b alone
-    with pytest.raises(SolveError):
-        solved(**box, load__cycles=0)
-    monkeypatch.setattr(DenseTangent, "solve", solve)
     monkeypatch.setattr(tangent, "EXACT", np.inf)
     with pytest.raises(SolveError):
         solved(**box, load__cycles=0)
@@ -297,9 +291,10 @@ def test_ranks_without_contact(tmp_path):
     changes = {"mesh__extent": 1000.0, "mesh__facet": 0.2, "mesh__edge_facet": 0.05, "solver__increments": 1}
     energies = []
     for ranks in (1, 4):
-        done = run_command(*coarse_arguments(tmp_path, **changes), ranks=ranks, timeout=300)
+        folder = tmp_path / str(ranks)
+        done = run_command(*coarse_arguments(folder, **changes), ranks=ranks, timeout=300)
         assert done.returncode == 0, done.stderr
-        energies.append(json.loads((tmp_path / "summary.json").read_text())["dissipated_energy"])
+        energies.append(json.loads((folder / "summary.json").read_text())["dissipated_energy"])
     assert energies[1] == pytest.approx(energies[0], rel=1e-7)
 
 
