@@ -6,18 +6,14 @@ from ..half_plane.linear import ContactNotConverged
 from .linear import solve
 from .tractions import references
 
-# Expansions with powers without bound. In q at the edges of stick and p at those of contact they show the edges best.
-# Away from the right edges p has them at the edges of stick too; with them there is less noise, and the edges are a
-# little off.
-AT_EDGES, EVERYWHERE = (0, 2, 3), (0, 1, 2, 3)
 PROBE = 1e-3  # difference of a variable for the Jacobian
 LONGEST = 0.3  # change of a variable in one step
 ITERATIONS = 40
 DECIDED = 0.3  # share of the largest amplitude at which the sign of another one counts
-SETTLED = 1e-9  # motion of the edges over the half-width of the contact at which they rest
-VANISHING = 1e-11  # amplitudes (see ``linear.Solution``) taken for zero,
-BORNE, PATIENCE = 2e-6, 12  # and those borne after so many steps: where a stick edge comes back to a place where it
-# turned before, slip and its limit are nearly neutral, and the edge is not well determined, but p, q and slip are
+SETTLED = 3e-9  # motion of the edges over the half-width of the contact at which they rest
+VANISHING = 1e-10  # amplitudes (see ``linear.Solution``) taken for zero,
+BORNE, PATIENCE = 1e-5, 1  # and those borne after so many steps that did not lower them: rounding for k < 0, and where
+# a stick edge comes back to a place where it turned before, which it is nearly neutral to leave
 
 
 def edges_of(y, load, contact):
@@ -47,24 +43,16 @@ class EdgeSolver:
 
     def state(self, Q, y):
         """State at Q and its variables, from the guess y. Raises ContactNotConverged."""
-        start = self.jacobian
-        try:
-            return self._found(Q, y, AT_EDGES)
-        except ContactNotConverged:
-            self.jacobian = start
-            return self._found(Q, y, EVERYWHERE)
-
-    def _found(self, Q, y, expansions):
-        """State and variables, with powers without bound in the ``expansions``."""
         load = abs(Q - self.base.Q)
-        zones = references(self.problem, self.friction, self._edges(y, load), self.base, expansions)
+        zones = references(self.problem, self.friction, self._edges(y, load), self.base)
 
         def solution(y):
             return self._solution(Q, y, zones)
 
         now, best = solution(y), (np.inf, None, y)
         bounds = np.full((2, 4), [[-np.inf], [np.inf]])
-        for iteration in range(ITERATIONS):
+        stalls = 0
+        for _ in range(ITERATIONS):
             fresh = self.jacobian is None
             if fresh:
                 columns = [(solution(y + PROBE * e).amplitudes - now.amplitudes) / PROBE for e in np.eye(4)]
@@ -74,10 +62,11 @@ class EdgeSolver:
             self._narrow(bounds, y, now.amplitudes)
             step = self._step(now.amplitudes, y, bounds)
             motion = load * np.abs(step * np.exp([0, y[1], y[2], 0])).max()
-            if motion < SETTLED or amplitude < VANISHING or (best[0] < BORNE and iteration > PATIENCE):
+            if motion < SETTLED or amplitude < VANISHING or (best[0] < BORNE and stalls > PATIENCE):
                 return best[1:]
             new = solution(y + step)
             grown = np.abs(new.amplitudes).max() > 0.5 * amplitude
+            stalls += grown
             if grown and not fresh:
                 self.jacobian = None
             else:

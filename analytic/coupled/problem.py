@@ -9,7 +9,7 @@ import numpy as np
 from ..cylinder import CylinderContact
 from ..half_plane.surface_kernel import PowerLawKernel
 from ..normal import ProfileContact
-from .exponents import edge_exponent
+from .exponents import coupling_ratio, edge_exponent, pressure_beside_stick_edge
 from .panels import GAUSS, Panels, even_kernel, graded
 from .tractions import Source
 from .zone import ReferenceZone
@@ -43,21 +43,32 @@ class Problem:
         """u_x and u_y from the integrals of R and O over p and q, [X6]."""
         return self.gk * even_q + self.d * odd_p, self.bk * even_p - self.d * odd_q
 
-    def zone(self, expansion, friction, levels, without_bound=()):
+    def exponents(self, friction):
+        """Exponents with which p ends at x_l and x_r, and friction p - q at c_l and c_r, where q = friction p in slip."""
+        minus, plus = (edge_exponent(self.k, self.bk, self.d, s * friction) for s in (-1, 1))
+        return minus, plus, plus, minus
+
+    def beside_stick(self, friction):
+        """``pressure_beside_stick_edge`` at c_l and c_r."""
+        ratio = coupling_ratio(self.k, self.bk, self.d)
+        left, right = self.exponents(friction)[2:]
+        return [pressure_beside_stick_edge(s * ratio, friction, e) for s, e in ((-1, left), (1, right))]
+
+    def zone(self, expansion, friction, levels):
         """Reference zone of one of the expansions of ``tractions.ZONE``, with panels of these levels at both ends.
 
-        Where slip has q = friction p. The expansions ``without_bound`` also have the powers less than zero with which
-        tractions end at edges that are not the right ones.
+        The last power at an edge has no bound, and should vanish: it tells where the edge is. In p at an edge of stick
+        it is an extra one that belongs to that of q.
         """
-        free = expansion in without_bound
-        at_stick = free and (1 in without_bound or expansion == 3)
-        key = expansion, friction, free, at_stick, *levels
+        key = expansion, friction, *levels
         if key not in self._zones:
-            minus, plus = (edge_exponent(self.k, self.bk, self.d, s * friction) for s in (-1, 1))
-            stick = (0.0, plus - at_stick), (0.0, minus - at_stick)
-            ends = [((minus - free,), stick[0]), stick, (stick[1], (plus - free,)), stick][expansion]
+            n, (x_l, x_r, c_l, c_r) = self.order, self.exponents(friction)
+            contact = [((x - 1, n + 4),) for x in (x_l, x_r)]
+            p_at_stick = [((0.0, n), (c, n + 1), (c - 1, 1)) for c in (c_l, c_r)]
+            q_at_stick = [((0.0, n), (c - 1, n + 1)) for c in (c_l, c_r)]
+            ends = [(contact[0], p_at_stick[0]), p_at_stick, (p_at_stick[1], contact[1]), q_at_stick][expansion]
             left, right = zip(ends, levels, strict=True)
-            self._zones[key] = ReferenceZone(left, right, self.order, self.k)
+            self._zones[key] = ReferenceZone(left, right, n, self.k)
         return self._zones[key]
 
 

@@ -6,7 +6,6 @@ from functools import cached_property
 import numpy as np
 
 from .branch import smooth_rule
-from .edges import AT_EDGES
 from .linear import solve
 from .tractions import references
 
@@ -102,7 +101,7 @@ class CoupledState:
         if not hasattr(state, "zones"):
             return 0.0, 0.0
         lower = problem.with_order(problem.order - LOWER)
-        zones = references(lower, state.friction, state.zones.edges, state.base, AT_EDGES)
+        zones = references(lower, state.friction, state.zones.edges, state.base)
         other = solve(lower, state.base, state.friction, state.zones.edges, zones, state.Q).state
         p, q = np.abs(other.tractions(self._nodes) - state.tractions(self._nodes)).max(axis=1)
         peak = self.pressure.max() / self._units.stress

@@ -12,6 +12,9 @@ TABLE_LEVELS, TABLE_RATIO = 11, 0.25  # times that the panels of a table shrink 
 TIP = 1e-3  # smallest panel at an edge of stick, over the half-width of the narrowest zone
 COARSE = 0.15  # ratio of panels for points outside of them
 FEATURE = 1e-4  # distance of an edge from another point of interest, over the width of the zone, taken for zero
+# compliance of a panel's first collocation point, distance^(1-k), that rounding must not reach, and that distance over
+# the panel's length
+SOFTEST, FIRST_POINT = 1e-10, 2e-5
 LEVELS = 6  # at most, of panels at an edge
 
 
@@ -59,13 +62,11 @@ class Zones:
         return h * (power * even + at_h * reference.moments), h * power * odd
 
 
-def references(problem, friction, edges, base, without_bound=()):
-    """Reference zones whose panels at the edges of stick are as small as the distances to other edges ask for.
-
-    without_bound: expansions with powers less than zero at the edges, see ``Problem.zone``.
-    """
+def references(problem, friction, edges, base):
+    """Reference zones whose panels at the edges of stick are as small as the distances to other edges ask for."""
     features = np.concatenate([edges, base.breaks, base.contact])
     half = np.diff(edges) / 2
+    smallest = SOFTEST ** (1 / (1 - problem.k)) / FIRST_POINT
     result = []
     for expansion, zone in enumerate(ZONE):
         levels = []
@@ -75,8 +76,9 @@ def references(problem, friction, edges, base, without_bound=()):
                 continue
             distance = np.abs(features - edges[end])
             nearest = distance[distance > FEATURE * half[zone]].min()
+            nearest = max(nearest, smallest)
             levels.append(int(np.clip(np.ceil(np.log(nearest / half[zone]) / np.log(RATIO)), 0, LEVELS)))
-        result.append(problem.zone(expansion, friction, levels, without_bound))
+        result.append(problem.zone(expansion, friction, levels))
     return result
 
 

@@ -26,24 +26,27 @@ def power_weights(exponent):
 
 
 class Half:
-    """Basis on 0 < u < 1, singular at the end u = 0 with given exponents, and as many collocation points ``points``.
+    """Basis on 0 < u < 1, singular at the end u = 0, with collocation points ``points``.
 
-    The panel at the end has a family v^exponent P_j(2v - 1) for each of the exponents, the others have polynomials;
-    ``levels`` is the number of times that the panels shrink. ``amplitude`` @ coefficients is the factor of the last of
-    the powers, v^exponent, with v = u over the length of the panel ``tip``.
+    The panel at the end has families v^exponent P_j(2v - 1), ``families`` being pairs (exponent, number), the others
+    polynomials; ``levels`` is the number of times that the panels shrink, and v is u over the length of the first,
+    ``tip``. A last family of one function is not counted for the points: ``extra`` is its place, or None.
+    ``amplitude`` @ coefficients is the factor of v^exponent for the last of the families.
     """
 
-    def __init__(self, exponents, levels, order):
-        self.exponents = exponents
+    def __init__(self, families, levels, order):
+        self.exponents = [exponent for exponent, _ in families]
+        self.degrees = [number for _, number in families]
         self.breaks = np.concatenate([[0.0], RATIO ** np.arange(levels, -1.0, -1.0)])
         self.tip = self.breaks[1]
-        self.degrees = [order + 4] if len(exponents) == 1 else [order] * (len(exponents) - 1) + [order + 1]
         self.order = order + 2
         first = sum(self.degrees)
+        self.extra = first - 1 if self.degrees[-1] == 1 else None
         self.size = first + levels * self.order
         self.amplitude = np.zeros(self.size)
         self.amplitude[first - self.degrees[-1] : first] = (-1.0) ** np.arange(self.degrees[-1])
-        v, inner = (1 + leggauss(first)[0]) / 2, (1 + leggauss(self.order)[0]) / 2
+        v = (1 + leggauss(first - (self.extra is not None))[0]) / 2
+        inner = (1 + leggauss(self.order)[0]) / 2
         low, high = self.breaks[1:-1, None], self.breaks[2:, None]
         self.points = np.concatenate([self.tip * v**CLUSTER, (low + (high - low) * inner).ravel()])
 
@@ -96,15 +99,17 @@ class Rule:
 
 
 class ReferenceZone:
-    """Basis on 0 < s < 2, singular at both ends; left and right are pairs (exponents, levels).
+    """Basis on 0 < s < 2, singular at both ends; left and right are pairs (families, levels).
 
-    points: of collocation, shape (size,); within, elsewhere: rules for integrals at points of the zone, or elsewhere.
+    points: of collocation; extras: places of the functions not counted for them, or None; within, elsewhere: rules for integrals at points of the zone, or elsewhere.
     """
 
     def __init__(self, left, right, order, k):
         self.left, self.right, self.k = Half(*left, order), Half(*right, order), k
         self.split, self.size = self.left.size, self.left.size + self.right.size
         self.points = np.concatenate([self.left.points, 2 - self.right.points[::-1]])
+        right_extra = None if self.right.extra is None else self.split + self.right.extra
+        self.extras = self.left.extra, right_extra
         self.within, self.elsewhere = (Rule(self.left, self.right, *parts) for parts in (WITHIN, ELSEWHERE))
 
     def values(self, from_left, from_right):
@@ -122,6 +127,6 @@ class ReferenceZone:
 
     @cached_property
     def own(self):
-        """∫ R and ∫ O over the basis at the points of the zone itself, two matrices (size, size)."""
+        """∫ R and ∫ O over the basis at the points of the zone itself, two matrices (points, size)."""
         even, odd = self.within.panels().matrices(self.points, self.k)
         return even @ self.within.values, odd @ self.within.values

@@ -49,9 +49,9 @@ def workers(comm: MPI.Comm) -> Iterator[Executor | None]:
         yield None
         return
     failure = None
-    with MPICommExecutor(comm, root=0, backoff=POLL) as executor:
+    with MPICommExecutor(comm, root=0, backoff=POLL) as executor:  # type: ignore[arg-type]
         try:
-            yield executor
+            yield executor  # type: ignore[misc]
         except (SceneError, OutputError) as reason:  # of rank 0
             failure = reason
     failure = comm.bcast(failure)
