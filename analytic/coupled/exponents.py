@@ -26,7 +26,7 @@ def pressure_beside_stick_edge(ratio, friction, exponent):
 
     s: distance from the edge; ratio: ``coupling_ratio``, with the opposite sign at the left edge.
     With the Hilbert transform H of r = friction p - q, contact means (1 + (friction ratio)²) p =
-    friction ratio² r - ratio H r, and H r is -cot(pi exponent) r in stick and s^(exponent - 1)/sin(pi exponent) in slip.
+    friction ratio² r - ratio H r; H r is -cot(pi exponent) r in stick and s^(exponent - 1)/sin(pi exponent) in slip.
     """
     whole = 1 + (friction * ratio) ** 2
     stick = friction * ratio**2 + ratio / tan(pi * exponent)

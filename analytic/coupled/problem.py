@@ -44,7 +44,7 @@ class Problem:
         return self.gk * even_q + self.d * odd_p, self.bk * even_p - self.d * odd_q
 
     def exponents(self, friction):
-        """Exponents with which p ends at x_l and x_r, and friction p - q at c_l and c_r, where q = friction p in slip."""
+        """Exponents with which p ends at x_l and x_r, and friction p - q at c_l and c_r; q = friction p in slip."""
         minus, plus = (edge_exponent(self.k, self.bk, self.d, s * friction) for s in (-1, 1))
         return minus, plus, plus, minus
 

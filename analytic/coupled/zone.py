@@ -101,7 +101,8 @@ class Rule:
 class ReferenceZone:
     """Basis on 0 < s < 2, singular at both ends; left and right are pairs (families, levels).
 
-    points: of collocation; extras: places of the functions not counted for them, or None; within, elsewhere: rules for integrals at points of the zone, or elsewhere.
+    points: of collocation; extras: places of the functions not counted for them, or None; within, elsewhere: rules for
+    integrals at points of the zone, or elsewhere.
     """
 
     def __init__(self, left, right, order, k):
