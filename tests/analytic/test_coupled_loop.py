@@ -60,7 +60,7 @@ def test_without_coupling_the_closed_forms(k, tolerance):
 
 
 def test_what_is_not_found_is_said():
-    """At k = 0.7 without coupling a point slips backwards by 2e-5 on the way back: no answer rather than a wrong one."""
+    """At k = 0.7 without coupling a point slips backwards by 2e-5 on the way back: it says so."""
     with pytest.raises(ContactNotConverged, match="slips backwards"):
         loop(0.7, 0.3, MU, 0.6, False)
 

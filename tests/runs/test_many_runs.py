@@ -13,7 +13,7 @@ from conftest import MPI_ENVIRONMENT, ROOT
 @pytest.mark.parametrize("ranks, runs", [(1, 50), (2, 20)])
 def test_memory_of_many_runs(ranks, runs):
     """Within 1.2 times that after five; without freeing it is 3 times after 50."""
-    command = [sys.executable, str(ROOT / "tests" / "run" / "many_runs.py"), str(runs)]
+    command = [sys.executable, str(ROOT / "tests" / "runs" / "many_runs.py"), str(runs)]
     if ranks > 1:
         command = [shutil.which("mpirun"), "-n", str(ranks), *command]
     paths = {"PYTHONPATH": f"{ROOT}:{ROOT / 'tests'}"}
