@@ -72,14 +72,14 @@ def test_coupling_takes_energy_at_a_stiff_surface():
 
 @pytest.mark.slow
 def test_finite_elements_find_the_same_energy():
-    """Where coupling takes a third of the theory's energy: 0.634 of it is left, by the same increments of both."""
+    """Where coupling takes a third of the theory's energy; the solver's work is of first order in its load steps."""
     k, nu, amplitude = -0.5, 0.3, 0.6
     normal = contact(k, 1.0, nu)
-    mesh_free = simulate(normal.solid, profile(2.0, nu), normal.P, MU, amplitude, cycles=1, attempts=((6, 200),))
+    mesh_free = simulate(normal.solid, profile(2.0, nu), normal.P, MU, amplitude, cycles=1, attempts=((24, 150),))
     elements = Runs(MPI.COMM_SELF).loop(k, nu, amplitude, coupling=True).energy * own_units(normal, MU).energy
     assert elements == pytest.approx(mesh_free.dissipated_energy, rel=1.5e-3)
     theory = normal.fretting(MU, z=1 - amplitude).dissipated_energy
-    assert elements == pytest.approx(0.634 * theory, rel=2e-3)
+    assert elements == pytest.approx(0.637 * theory, rel=2e-3)
 
 
 def test_answers():
