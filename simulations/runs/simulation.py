@@ -19,7 +19,7 @@ from ..solvers.full import FullSystem
 from ..solvers.newton import FORCE_TOLERANCE
 from . import freeing
 from .history import Entry, History
-from .limits import check_depth, check_parameters, check_resolution, check_round_off, check_size
+from .limits import check_depth, check_output, check_parameters, check_resolution, check_round_off, check_size
 from .plan import Plan
 from .reuse import Meshed, why_not
 from .timing import Stopwatch
@@ -58,6 +58,7 @@ class Simulation(Meshed):
                 self.cells = cells or on_root(comm, self.grading)
                 check_resolution(scene, self.cells, self.loop)
                 check_depth(scene, self.cells)
+                check_output(scene, self.schedule, self.cells)
                 self.ordinates = self._ordinates()
                 check_size(scene, self.cells, *(len(nodes) - 1 for nodes in self.ordinates))
                 mesh, facets = create_mesh(comm, *self.ordinates)
@@ -66,6 +67,7 @@ class Simulation(Meshed):
                 self.body = self._body(mesh, facets)
                 freeing.later(self.body)
             else:
+                check_output(scene, self.schedule, like.cells)
                 self._take_over(like)
             nitsche = Nitsche(scene.solver.gamma0, scene.solver.theta)
             indenter = self.scaled.indenter
