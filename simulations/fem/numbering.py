@@ -61,7 +61,8 @@ class Numbering:
     @property
     def cells(self) -> int:
         """Number of cells."""
-        return (len(self._s) // self._degree) * (len(self._x) // self._degree)
+        x, s = self.vertices
+        return (len(s) - 1) * (len(x) - 1)
 
     def displacement(self, whole: np.ndarray) -> np.ndarray:
         """Displacement (rows, columns, 2) at the nodes, from a whole ``state``."""
@@ -72,8 +73,9 @@ class Numbering:
         topology = self.body.mesh.topology
         count, geometry = topology.index_map(topology.dim).size_local, self.body.mesh.geometry
         x, s, _ = geometry.x[geometry.dofmap[:count]].mean(axis=1).T
-        column, row = np.searchsorted(self._x[:: self._degree], x) - 1, np.searchsorted(self._s[:: self._degree], s) - 1
-        return self._collect(row * (len(self._x) // self._degree) + column, local[:count], self.cells)
+        columns, layers = self.vertices
+        column, row = np.searchsorted(columns, x) - 1, np.searchsorted(layers, s) - 1
+        return self._collect(row * (len(columns) - 1) + column, local[:count], self.cells)
 
     def _add(self, index, place, owned):
         self._places.append((index, place, index < owned))

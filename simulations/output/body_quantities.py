@@ -22,12 +22,16 @@ DOWN_TO_UP = np.array([1.0, 1.0, -1.0, 1.0])  # signs of xx, yy, xy, zz where y 
 
 
 def from_stress(stress: np.ndarray, young, nu: float) -> dict[str, np.ndarray]:
-    """Every field but the displacement, from xx, yy, xy, zz (..., 4) [Pa] in plane strain and E (...) [Pa]."""
+    """Every field but the displacement, from xx, yy, xy, zz (..., 4) [Pa] in plane strain and E (...) [Pa].
+
+    The energy density is infinite where E is 0 or infinite, on the surface of a power law.
+    """
     xx, yy, xy, zz = np.moveaxis(np.asarray(stress, float), -1, 0)
     mean, radius = (xx + yy) / 2, np.hypot((xx - yy) / 2, xy)
     principal = np.sort(np.stack([mean - radius, mean + radius, zz]), axis=0)
     differences = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2
-    energy = ((1 + nu) * (xx**2 + yy**2 + 2 * xy**2) - nu * (1 + nu) * (xx + yy) ** 2) / (2 * young)
+    finite = np.isfinite(young) & (young > 0)
+    energy = (1 + nu) * (xx**2 + yy**2 + 2 * xy**2 - nu * (xx + yy) ** 2) / (2 * np.where(finite, young, 1.0))
     found = dict(zip(STRESSES, (xx, yy, xy, zz), strict=True))
     return found | {
         "principal_1": principal[2],
@@ -35,5 +39,5 @@ def from_stress(stress: np.ndarray, young, nu: float) -> dict[str, np.ndarray]:
         "principal_3": principal[0],
         "max_shear": (principal[2] - principal[0]) / 2,
         "von_mises": np.sqrt(differences / 2 + 3 * xy**2),
-        "energy_density": energy,
+        "energy_density": np.where(finite, energy, np.inf),
     }

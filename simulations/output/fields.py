@@ -58,8 +58,7 @@ class FieldWriter:
         x, y = (a.ravel() for a in np.meshgrid(*nodes))
         fields = {"displacement": self._displacement(sample, x, y)}
         s = (sample.s[:-1] + sample.s[1:]) / 2
-        young = np.broadcast_to(self.scaled.modulus.young(sample.depth.y(s)), s.shape)[:, None]
-        fields |= self._stresses(sample.mean_stress(), young)
+        fields |= self._stresses(sample.mean_stress(), sample.depth.y(s)[:, None])
         with hdf5(self.folder / FOLDER / file_name(number)) as file:
             step, scales = self.schedule[number], self.scaled.scales
             file.attrs["load_step"], file.attrs["state"] = number, self.state(number)
@@ -82,17 +81,18 @@ class FieldWriter:
         length = self.scaled.scales.length
         x, y = self._lines.x / length, self._lines.y / length
         found = {"displacement": self._displacement(sample, x, y)}
-        young = np.broadcast_to(self.scaled.modulus.young(y), y.shape)
-        return found | self._stresses(sample.stress_at(x, y), young)
+        return found | self._stresses(sample.stress_at(x, y), y)
 
     def _displacement(self, sample, x, y):
         """(n, 3) [m], as a vector has three components to ParaView."""
         u = sample.displacement_at(x, y) * self.scaled.scales.displacement
         return np.column_stack([u[:, 0], -u[:, 1], np.zeros(len(u))])
 
-    def _stresses(self, stress, young):
+    def _stresses(self, stress, y):
         scales = self.scaled.scales
-        return from_stress(stress * DOWN_TO_UP * scales.stress, young * scales.modulus, self.nu)
+        with np.errstate(divide="ignore"):  # E is infinite on the surface where k < 0
+            young = np.broadcast_to(self.scaled.modulus.young(y), y.shape) * scales.modulus
+        return from_stress(stress * DOWN_TO_UP * scales.stress, young, self.nu)
 
     def _write_mesh(self, path, sample, columns, layers):
         """points (n, 3), cells (m, (d + 1)²) in the order of VTK and their corners (m, 4); x, depth: of the vertices."""
