@@ -8,7 +8,8 @@ import numpy as np
 from .files import hdf5, write_text
 
 XDMF, VTKHDF, FOLDER, MESH = "fields.xdmf", "fields.vtkhdf", "fields", "mesh"
-XDMF_CELLS = {1: ("Quadrilateral", "corners", 4), 2: ("Quadrilateral_9", "cells", 9), 3: ("Quadrilateral", "corners", 4)}
+QUADS = ("Quadrilateral", "corners", 4)
+XDMF_CELLS = {1: QUADS, 2: ("Quadrilateral_9", "cells", 9), 3: QUADS}  # XDMF has no cell of degree 3
 VTK_CELLS = {1: 9, 2: 28, 3: 70}  # VTK_QUAD, VTK_BIQUADRATIC_QUAD, VTK_LAGRANGE_QUADRILATERAL
 
 
@@ -21,7 +22,9 @@ def local_nodes(degree: int) -> list[tuple[int, int]]:
     """(i, j) of the nodes of a cell, i along x and j upwards, in the order of VTK: corners, edges, inside."""
     d, between = degree, range(1, degree)
     corners = [(0, 0), (d, 0), (d, d), (0, d)]
-    edges = [(i, 0) for i in between] + [(d, j) for j in between] + [(i, d) for i in between] + [(0, j) for j in between]
+    along_x = [[(i, j) for i in between] for j in (0, d)]
+    upwards = [[(i, j) for j in between] for i in (d, 0)]
+    edges = along_x[0] + upwards[0] + along_x[1] + upwards[1]
     return corners + edges + [(i, j) for j in between for i in between]
 
 
@@ -90,4 +93,5 @@ def _centre(name):
 
 def _item(file, data, shape, kind="Float"):
     size = " ".join(map(str, shape))
-    return f'<DataItem DataType="{kind}" Precision="8" Dimensions="{size}" Format="HDF">{FOLDER}/{file}:/{data}</DataItem>'
+    place = f"{FOLDER}/{file}:/{data}"
+    return f'<DataItem DataType="{kind}" Precision="8" Dimensions="{size}" Format="HDF">{place}</DataItem>'

@@ -31,7 +31,8 @@ class FieldWriter:
         self.times = load_parameter(schedule)
         self._wanted = output.states
         self._sampler = BodySampler(numbering)
-        self._index = FieldIndex(folder, numbering.body.degree, numbering.shape[0] * numbering.shape[1], numbering.cells, self.names)
+        nodes = numbering.shape[0] * numbering.shape[1]
+        self._index = FieldIndex(folder, numbering.body.degree, nodes, numbering.cells, self.names)
         self._lines = Lines(folder, output, self.names)
 
     def state(self, number: int) -> str:
@@ -95,7 +96,7 @@ class FieldWriter:
         return from_stress(stress * DOWN_TO_UP * scales.stress, young, self.nu)
 
     def _write_mesh(self, path, sample, columns, layers):
-        """points (n, 3), cells (m, (d + 1)²) in the order of VTK and their corners (m, 4); x, depth: of the vertices."""
+        """points (n, 3); cells (m, (d + 1)²) in VTK's order, and their corners (m, 4); x and depth of the vertices."""
         d, length = sample.degree, self.scaled.scales.length
         x, y = (a.ravel() for a in np.meshgrid(columns, layers))
         rows, across = len(sample.s) - 1, len(sample.x) - 1

@@ -133,9 +133,10 @@ class _Claim:
         try:
             if not resume:
                 _refuse(folder, scene_file, overwrite)
+            own = (*FILES, lines.NAME, "memory.npz")
             for path in (folder, *(folder / name for name in FOLDERS)):
                 for partial in path.glob("part.*"):
-                    if partial.name.removeprefix("part.") in (*FILES, lines.NAME, "memory.npz") or path.name == field_index.FOLDER:
+                    if partial.name.removeprefix("part.") in own or path.name == field_index.FOLDER:
                         partial.unlink()
         except BaseException:
             self.release()

@@ -58,22 +58,21 @@ def check_depth(scene: Scene, cells: Grading):
         )
 
 
-def check_output(scene: Scene, schedule: Sequence[LoadStep], cells: Grading):
+def check_output(scene: Scene, schedule: Sequence[LoadStep], extent: float):
     """SceneError for states that the run does not come to, and for points outside the domain."""
-    output, a = scene.output, scene.half_width
+    output, reach = scene.output, extent * scene.half_width
     if not isinstance(output.states, str):
         there = [NORMAL, *dict.fromkeys(step.state for step in schedule if step.state)]
         unknown = [name for name in output.states if name not in there]
         if unknown:
             names = ", ".join(there)
             raise SceneError(f"output.states = {shown(list(output.states))} is not allowed: this run has {names}")
-    places = [("lines", line, [line[:2], line[2:4]]) for line in output.lines]
-    places += [("points", point, [point]) for point in output.points]
-    for key, given, points in places:
-        if any(abs(x) > cells.extent * a or y > cells.extent * a for x, y in points):
+    ends = [("lines", line, (line[:2], line[2:4])) for line in output.lines]
+    for key, given, points in (*ends, *(("points", point, (point,)) for point in output.points)):
+        if any(abs(x) > reach or y > reach for x, y in points):
             raise SceneError(
-                f"output.{key}: {shown(list(given))} leaves the domain |x| ≤ {cells.extent * a:.4g} m, "
-                f"0 ≤ y ≤ {cells.extent * a:.4g} m ({cells.extent:g} contact half-widths)"
+                f"output.{key}: {shown(list(given))} leaves the domain |x| ≤ {reach:.4g} m, "
+                f"0 ≤ y ≤ {reach:.4g} m ({extent:g} contact half-widths)"
             )
 
 

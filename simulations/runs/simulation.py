@@ -52,13 +52,13 @@ class Simulation(Meshed):
         super().__init__(scene, watch or Stopwatch())
         self.mesh_of = like.mesh_of if like else None if cells else self.graded_for  # what the mesh was graded for
         check_parameters(scene)
+        check_output(scene, self.schedule, self.extent)
         if like is None:
             freeing.earlier(comm)
             with self.watch("mesh"):
                 self.cells = cells or on_root(comm, self.grading)
                 check_resolution(scene, self.cells, self.loop)
                 check_depth(scene, self.cells)
-                check_output(scene, self.schedule, self.cells)
                 self.ordinates = self._ordinates()
                 check_size(scene, self.cells, *(len(nodes) - 1 for nodes in self.ordinates))
                 mesh, facets = create_mesh(comm, *self.ordinates)
@@ -67,7 +67,6 @@ class Simulation(Meshed):
                 self.body = self._body(mesh, facets)
                 freeing.later(self.body)
             else:
-                check_output(scene, self.schedule, like.cells)
                 self._take_over(like)
             nitsche = Nitsche(scene.solver.gamma0, scene.solver.theta)
             indenter = self.scaled.indenter

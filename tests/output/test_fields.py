@@ -199,9 +199,8 @@ def test_other_degrees(degree, tmp_path):
 
 def test_half_a_body_is_mirrored():
     """Without a tangential load the mesh is the half x > 0; points at x < 0 are answered all the same."""
-    sample = (lambda s: BodySampler(s.numbering).sample())(
-        coarse_simulation('solid.E0=2e11\nsolid.k=0.3\nsolid.nu=0.3\nsolid.y0=0.01\nindenter.R=0.1\nload.P=1e6\n').run_to_end()
-    )
+    text = "solid.E0 = 2e11\nsolid.k = 0.3\nsolid.nu = 0.3\nsolid.y0 = 0.01\nindenter.R = 0.1\nload.P = 1e6\n"
+    sample = BodySampler(coarse_simulation(text).run_to_end().numbering).sample()
     assert sample.is_half
     x, y = np.array([0.4, -0.4]), np.array([0.3, 0.3])
     (xx, yy, xy, zz), left = sample.stress_at(x, y)
