@@ -118,12 +118,8 @@ class Results:
             checkpoint.remove(self.folder)
 
     def _plot(self):
-        scene, findings = self.simulation.scene, self.findings
-        values = [f"k = {scene.k:g}", f"ν = {scene.solid.nu:.4g}"]
-        if scene.friction:
-            values.append(f"μ = {scene.load.mu:g}")
-        title = f"{scene.title}  ({', '.join(values)})".strip()
+        findings = self.findings
         lines = {findings.exact.other.name: findings.exact.other} if findings.exact else {}
         if findings.neglecting:
             lines[f"closed form (no {', no '.join(findings.neglecting.without)})"] = findings.neglecting.other
-        plot_run(self.folder / "fretting.png", title, self.simulation, lines)
+        plot_run(self.folder / "fretting.png", self.simulation.scene.title, self.simulation, lines)
