@@ -31,7 +31,7 @@ def plot_run(path: Path, title: str, simulation: Simulation, lines: dict[str, Re
     with plt.rc_context(LOOKS):
         size = (4.7 * columns, 3.8 * rows + 1.5)
         figure, axes = plt.subplots(rows, columns, figsize=size, squeeze=False)
-        space = {"top": 1 - 0.9 / size[1], "bottom": 1.3 / size[1], "left": 0.7 / size[0], "right": 1 - 0.2 / size[0]}
+        space = {"top": 1 - 0.9 / size[1], "bottom": 1.3 / size[1], "left": 0.78 / size[0], "right": 1 - 0.2 / size[0]}
         figure.subplots_adjust(**space, hspace=0.36, wspace=0.24)
         figure.suptitle(f"{title}\n{_loads(simulation)}", wrap=True, parse_math=False, fontsize=11)
         _pressure(axes[0, 0], simulation, lines)
