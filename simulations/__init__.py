@@ -1,6 +1,6 @@
 """Simulations of frictional contact and fretting: from a scene to files, or to arrays.
 
-    from . import run
+    from simulations import run
     result = run({"load.amplitude": 0.6})
     print(result.a, result.pressure.shape)
 
@@ -10,7 +10,7 @@ What is exported is loaded when it is first asked for (docs/library.md).
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-__version__ = "0.1.0"
+from .version import __version__
 
 if TYPE_CHECKING:
     from .api import Result, run
@@ -49,6 +49,7 @@ __all__ = [
     "SceneError",
     "Simulation",
     "SolveError",
+    "__version__",
     "body_functions",
     "closed_form",
     "compare",

@@ -2,7 +2,7 @@
 
 from importlib.util import find_spec
 
-from . import __version__
+from .version import __version__
 
 COMMANDS = {
     "fretting [SCENE.toml]": "press a cylinder onto a graded half-plane and rock it; without a scene, the default one",

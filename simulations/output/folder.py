@@ -18,9 +18,9 @@ import gmsh
 import numpy as np
 from petsc4py import PETSc
 
-from .. import __version__
 from ..fem.parallel import on_root
 from ..scene import Scene, SceneError, shown
+from ..version import __version__
 from . import checkpoint, field_index, lines
 from .checkpoint import SCENE
 from .files import OutputError, write_text
