@@ -17,6 +17,7 @@ from simulations import fretting
 from simulations.fem.body_sample import BodySampler
 from simulations.output.body_quantities import from_stress
 from simulations.output.body_states import body_functions
+from simulations.output.field_index import local_nodes
 from simulations.scene import SceneError
 from simulations.scene.output import FIELDS
 
@@ -171,6 +172,23 @@ def test_vtkhdf_has_what_the_states_have(folder):
                 with h5py.File(path) as state:
                     assert np.array_equal(vtk[f"{centre}/{name}"][start:stop], state[name][...])
     assert times == pytest.approx([1, 2, 2.5, 3, 3.5, 4, 6])
+
+
+def test_nodes_of_a_cubic_cell_are_in_the_order_of_vtk():
+    """Corners, then bottom, right, top and left edge, each in the direction of x or y, then row by row."""
+    edges = [(1, 0), (2, 0), (3, 1), (3, 2), (1, 3), (2, 3), (0, 1), (0, 2)]
+    inside = [(1, 1), (2, 1), (1, 2), (2, 2)]
+    assert local_nodes(3) == [(0, 0), (3, 0), (3, 3), (0, 3), *edges, *inside]
+
+
+def test_cells_have_their_nodes_in_place(folder):
+    """Each node of a cell lies at its share of the straight sides: nothing is folded or exchanged."""
+    with h5py.File(folder / "fields" / "mesh.h5") as file:
+        points, cells = file["points"][...], file["cells"][...]
+    low, high = points[cells[:, :1]], points[cells[:, 2:3]]
+    assert np.all(high[..., :2] > low[..., :2])
+    share = (points[cells] - low)[..., :2] / (high - low)[..., :2]
+    assert share == pytest.approx(np.broadcast_to(np.array(local_nodes(2)) / 2, share.shape), abs=1e-9)
 
 
 def test_lines(folder):
