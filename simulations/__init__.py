@@ -15,6 +15,7 @@ from .version import __version__
 if TYPE_CHECKING:
     from .api import Result, run
     from .loading.stepping import SolveError
+    from .output.body_states import body_functions
     from .runs.checks import ChecksWarning
     from .runs.comparison import compare
     from .runs.reference import closed_form, of_same_physics
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from .studies.sweeping import sweep
 
 _EXPORTS = {
+    "body_functions": "output.body_states",
     "ChecksWarning": "runs.checks",
     "compare": "runs.comparison",
     "SceneError": "scene",
@@ -48,6 +50,7 @@ __all__ = [
     "Simulation",
     "SolveError",
     "__version__",
+    "body_functions",
     "closed_form",
     "compare",
     "language",
