@@ -13,6 +13,7 @@ COMMANDS = {
     "studies.claims": "the paper's sentences, decided by numbers",
     "studies.cost": "error against seconds",
     "studies.coupling": "what coupling changes",
+    "studies.critical_friction": "from which friction on rates of stick and slip are not unique",
     "studies.figures": "the paper's figures",
     "studies.maps": "which grading loses least energy",
     "studies.stability": "hard cases",

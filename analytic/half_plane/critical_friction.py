@@ -100,7 +100,7 @@ class RateOperator:
 
 @dataclass(frozen=True)
 class CriticalFriction:
-    """Bounds of the critical coefficient: unique rates below ``lower``; a second solution at ``upper``, for ``pattern``.
+    """Bounds of the critical coefficient: unique rates below ``lower``, a second solution at ``upper``.
 
     pattern: signs of the traction where elements slip and 0 where they stick, such as "+-0+----"; "" where upper = inf.
     """
@@ -145,7 +145,26 @@ def smallest_singular(operator: RateOperator) -> tuple[float, str]:
             value, signs = found.min(), near[found.argmin()]
         if value < best[0]:
             best = float(value), signs
-    return best[0], "".join("0+-"[int(sign)] for sign in best[1])
+    return best[0], _written(best[1])
+
+
+def sliver_singular(operator: RateOperator, places: int) -> tuple[float, str]:
+    """Smallest mu with a second solution where all slips but one element, which has a sliver beside it; the pattern.
+
+    The patterns are "++-0+--" and "--+0-++" at that many ``places``: an upper bound for many elements.
+    """
+    n = len(operator.stiffness)
+    patterns = []
+    for place in np.unique(np.linspace(1, n - 2, places).astype(int)):
+        pattern = np.where(np.arange(n) < place, 1.0, -1.0)
+        pattern[place - 1 : place + 2] = [-1.0, 0.0, 1.0]
+        patterns += [pattern, -pattern]
+    values = operator.singular(patterns)
+    return float(values.min()), _written(patterns[values.argmin()])
+
+
+def _written(signs):
+    return "".join("0+-"[int(sign)] for sign in signs)
 
 
 def _starts(n):

@@ -18,6 +18,7 @@ from mpi4py import MPI
 from ..command.command import comm, on_root, run, say
 from ..loading.stepping import SolveError
 from ..output.files import write_table, write_text
+from ..runs import critical_friction
 from ..runs.checks import check, drift, still_changing
 from ..runs.comparison import compare
 from ..runs.energy import EnergyMeter, worst_defect
@@ -80,7 +81,8 @@ def _measure(scene: Scene) -> dict:
         meter.read(entry)
     history = simulation.history
     tolerance = max(entry.tolerance for entry in history.entries)
-    checks = check(history, simulation.scaled.indenter.height, "coupling" in simulation.effects)
+    height, coupled = simulation.scaled.indenter.height, "coupling" in simulation.effects
+    checks = check(history, height, coupled, lambda: critical_friction.cause(simulation))
     defects = {name: c.value for name, c in checks.items() if not c.holds}
     balance = worst_defect(meter.steps, ENERGY_ROUND_OFF * tolerance / ENERGY)
     if balance > (CONSISTENCY if scene.solver.theta else ENERGY):
@@ -93,7 +95,9 @@ def _measure(scene: Scene) -> dict:
     off = {name: value for name, value in errors.items() if abs(value) > ERRORS.get(name, np.inf)}
     outcome, why = GREEN, ""
     if defects:
-        outcome, why = REFUSED, "after the solve: " + ", ".join(f"{n} {v:.1e}" for n, v in defects.items())
+        causes = [c.cause for c in checks.values() if c.cause]
+        failing = ", ".join(f"{n} {v:.1e}" for n, v in defects.items())
+        outcome, why = REFUSED, "; ".join([f"after the solve: {failing}", *causes])
     elif off:
         outcome, why = WRONG, ", ".join(f"{n} {v:.1e}" for n, v in off.items())
     return {

@@ -69,7 +69,9 @@ def test_slip_in_one_direction_is_never_singular(k):
     assert np.all(np.isinf(rates.singular(np.vstack([one_way, -one_way]))))
 
 
-@pytest.mark.parametrize("k, pattern", [(0.0, "----++++++++-0+-"), (0.3, "+++++++-0+------"), (0.5, "++++++-0+-------")])
+@pytest.mark.parametrize(
+    "k, pattern", [(0.0, "----++++++++-0+-"), (0.3, "+++++++-0+------"), (0.5, "++++++-0+-------")]
+)
 def test_patterns_are_singular_only_where_stretches_are_one_element_long(k, pattern):
     assert np.isfinite(operator(k, 0.0, 16).singular(signs(pattern))[0])
     for times in (2, 4):
