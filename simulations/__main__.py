@@ -16,7 +16,7 @@ COMMANDS = {  # name: module, its arguments, what it does
     "claims": ("studies.claims", "", "the paper's sentences, decided by numbers"),
     "cost": ("studies.cost", "", "error against seconds"),
     "coupling": ("studies.coupling", "", "what coupling changes"),
-    "critical_friction": ("studies.critical_friction", "", "from which friction on rates of stick and slip are not unique"),
+    "critical_friction": ("studies.critical_friction", "", "friction above which slip is not unique"),
     "figures": ("studies.figures", "NAME", "the paper's figures"),
     "maps": ("studies.maps", "", "which grading loses least energy"),
     "stability": ("studies.stability", "", "hard cases"),
