@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from mpi4py import MPI
 
-from .runs import checks, comparison, reference
+from .runs import checks, comparison, critical_friction, reference
 from .runs.history import Entry
 from .runs.simulation import Simulation
 from .scene import DEFAULT_SCENE, Scene, make_scene
@@ -101,7 +101,8 @@ class Result:
         """What the run is checked for after the solve, by name: value, limit, and whether it ``holds``."""
         simulation = self.simulation
         coupled = "coupling" in simulation.effects or not simulation.scene.friction
-        return checks.check(simulation.history, simulation.scaled.indenter.height, coupled)
+        height, cause = simulation.scaled.indenter.height, lambda: critical_friction.cause(simulation)
+        return checks.check(simulation.history, height, coupled, cause)
 
     def errors(self) -> dict[str, float]:
         """Relative deviations from what has the same physics; reference.NoReference where there is none."""

@@ -1,5 +1,6 @@
 """What a scene asks for before anything is meshed: scaled problem, closed forms, load schedule, wanted cell sizes."""
 
+from ..fem.edge_place import best_place
 from ..fem.load import Load
 from ..fem.mesh import Grading
 from ..loading.schedule import pressing, rocking, visiting
@@ -55,6 +56,8 @@ class Plan:
         with self.watch("edges"):
             found = expected_edges(scene, self.scaled, self.loop, self.effects, loads)
         sizes = scene.cell_sizes | {"extent": self.extent}
+        if found.exact:
+            sizes.setdefault("edge_at", best_place(scene.mesh.degree, scene.k))
         edges = {*found.edges, *(-e for e in found.edges)}
         sweeps = found.sweeps(scene.k, sizes["facet"], sizes["edge_facet"])
         return Grading(edges=tuple(sorted(edges)), sweeps=sweeps, **sizes)
