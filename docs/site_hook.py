@@ -62,4 +62,5 @@ def in_site(path: Path) -> PurePosixPath:
 def first_line(path: Path) -> str:
     """What a module says of itself."""
     text = path.read_text(encoding="utf-8")
-    return re.sub(r"[*_`<>\[\]]", " ", text[3:].partition('"""')[0].partition("\n")[0]) if text.startswith('"""') else ""
+    line = text[3:].partition('"""')[0].partition("\n")[0] if text.startswith('"""') else ""
+    return re.sub(r"[*_`<>\[\]]", " ", line)

@@ -59,7 +59,8 @@ class Friction:
     """What Coulomb's law needs beside the displacement: constants and fields at the surface points.
 
     mu; anchor: where a point last came to rest; slid: where it slid in the last Newton iterate (``contact.slides``);
-    all_stick: 1 in the predictor; is_lagged: 1 where friction is limited by lagged_pressure, None where there is none.
+    all_stick: 1 in the predictor; is_lagged: 1 where friction is limited by lagged_pressure, None where there is none;
+    elastic: compliance of elastic slip, a length over a stress, None without.
     """
 
     mu: Any
@@ -68,6 +69,7 @@ class Friction:
     all_stick: Any
     is_lagged: Any = None
     lagged_pressure: Any = None
+    elastic: Any = None
 
 
 @dataclass(frozen=True)
@@ -121,7 +123,7 @@ def _with_friction(u, t, delta, p, tractions, nitsche, friction, clearance=None)
     if friction.is_lagged is not None:
         limiting = ufl.conditional(ufl.gt(friction.is_lagged, 0.5), friction.lagged_pressure, p)
     s = contact.relative_displacement(u, delta)  # (F6)
-    trial = contact.trial_traction(t, s, friction.anchor, gamma)
+    trial = contact.trial_traction(t, s, friction.anchor, gamma, friction.elastic)
     limit = friction.mu * limiting
     sliding = contact.slides(trial, limit, friction.slid)
     q = contact.coulomb(trial, limiting, limit, sliding, friction.all_stick)  # (F7)
@@ -134,7 +136,7 @@ def _with_friction(u, t, delta, p, tractions, nitsche, friction, clearance=None)
         friction,
         sliding,
         beyond_limit=contact.slip_beyond_limit(trial, limit, gamma),
-        rest=contact.rest_position(t, s, q, gamma),  # (F11)
+        rest=contact.rest_position(t, s, q, gamma, friction.elastic),  # (F11)
         released=contact.rest_position(t, s, 0.0, gamma),
     )
 

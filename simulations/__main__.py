@@ -4,7 +4,7 @@ import sys
 from difflib import get_close_matches
 from runpy import run_module
 
-from . import __version__
+from .version import __version__
 
 COMMANDS = {  # name: module, its arguments, what it does
     "fretting": ("fretting", "[SCENE.toml]", "press a cylinder onto a graded half-plane and rock it"),
@@ -16,6 +16,7 @@ COMMANDS = {  # name: module, its arguments, what it does
     "claims": ("studies.claims", "", "the paper's sentences, decided by numbers"),
     "cost": ("studies.cost", "", "error against seconds"),
     "coupling": ("studies.coupling", "", "what coupling changes"),
+    "critical_friction": ("studies.critical_friction", "", "friction above which slip is not unique"),
     "figures": ("studies.figures", "NAME", "the paper's figures"),
     "maps": ("studies.maps", "", "which grading loses least energy"),
     "stability": ("studies.stability", "", "hard cases"),

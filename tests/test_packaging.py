@@ -8,7 +8,7 @@ import sys
 import tomllib
 
 import pytest
-from conftest import ROOT, run_command
+from running import ROOT, run_command
 
 import simulations
 from simulations import __main__ as commands

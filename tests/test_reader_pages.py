@@ -48,7 +48,8 @@ def test_readme_leads_each_reader_to_a_page():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("page", PAGES)
-def test_every_command_runs(page, tmp_path):
+def test_every_command_runs(page, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     for scene in blocks(page, "toml"):
         (tmp_path / "mine.toml").write_text(scene)
     for command in "".join(blocks(page, "sh")).splitlines():

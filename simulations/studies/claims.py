@@ -33,17 +33,17 @@ COUPLING = "\n## Coupling, by simulation\n\n"
 OVER_NU = f"""
 ## How much the neglected coupling matters
 
-Difference of a simulation with coupling from the closed forms, in per cent: slip since loading began (L2 over the contact,
-at the first +Q_A) / traction (likewise) / energy of the second cycle (signed). Q_A = {AMPLITUDE:g} μP, μ = {MU:g}; y0 does not
-matter, as a power law has no length of its own. Mesh-free solver, `analytic/half_plane/solver.py`; the finite elements
+Difference of a simulation with coupling from the closed forms, in per cent: slip since loading began (L2 over the
+contact, at the first +Q_A) / traction (likewise) / energy of the second cycle (signed). Q_A = {AMPLITUDE:g} μP,
+μ = {MU:g}; y0 does not matter, as a power law has no length of its own. Mesh-free solver, `analytic/half_plane/solver.py`; the finite elements
 agree at the paper's pairs, above. A dash: no convergence. The difference vanishes at the Holl ratio, ν = 1/(2+k): 0.5
 at k = 0, 0.43 at 0.3, 0.4 at 0.5.
 
 """
 
 OTHER_MEASURES = """
-[coupling.md](coupling.md) compares other things: the slip between ±Q_A, which hardly depends on μ, and the energy of the
-first cycle, which begins before the loop has closed.
+[coupling.md](coupling.md) compares other things: the slip between ±Q_A, whose difference hardly depends on μ, and the
+energy of the first cycle, which begins before the loop has closed.
 """
 
 
