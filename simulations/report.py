@@ -30,7 +30,7 @@ img{width:100%;margin:.3em 0}img.beside{max-height:42em;width:auto;max-width:100
 @page{size:A4;margin:12mm 14mm}
 @media print{body{font-size:10.5px;line-height:1.3;margin:0;padding:0;max-width:none}details{display:none}
 h2{break-after:avoid}img,tr{break-inside:avoid}.second{break-before:page}
-img.beside{max-height:105mm}}"""
+img.beside{max-height:76mm}}"""
 
 
 def main(arguments: list[str]):

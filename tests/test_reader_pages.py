@@ -37,7 +37,9 @@ def words(command: str) -> list[str]:
     found[place] = sys.executable
     if found[place + 1] == "-m":
         keys = COARSE | {"reference.kind": "none"}  # references are tested elsewhere
-        sets = [word for key, value in keys.items() if f"{key}={value}" not in found for word in ("--set", f"{key}={value}")]
+        sets = [
+            word for key, value in keys.items() if f"{key}={value}" not in found for word in ("--set", f"{key}={value}")
+        ]
         return found + (sets if found[place + 2] in SOLVES else [])
     return found
 

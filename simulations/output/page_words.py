@@ -73,7 +73,7 @@ def _solid(scene: Scene) -> str:
     if solid.modulus == "homogeneous":
         return f"a homogeneous half-plane of modulus {E0} and {poisson}"
     if "power" in solid.modulus:
-        law = f"whose modulus is E = {E0} (y / {quantity(solid.y0, 'm')})^{solid.k:g} at the depth y"
+        law = f"whose modulus is E = {E0} (y / {quantity(scene.half_plane.y0, 'm')})^{solid.k:g} at the depth y"
     else:
         deep = quantity(solid.E_substrate, "Pa")
         law = f"with a coating whose modulus goes from {E0} to {deep} ({solid.modulus})"
