@@ -8,7 +8,7 @@ import sys
 
 import numpy as np
 import pytest
-from conftest import COARSE, ROOT, environment
+from running import COARSE, ROOT, environment
 
 from analytic import FrettingLoop
 
