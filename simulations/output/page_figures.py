@@ -89,11 +89,11 @@ def _states(axis, data, name, words, unit, shown, reach):
 
 def _density(axis, data, reach):
     length, metres = prefixed(reach, "m")
-    density = data[DENSITY][-1] if data[DENSITY].ndim == 2 else data[DENSITY]
+    density = data[DENSITY]
     size, label = prefixed(np.abs(density).max(), "J/m²")
     axis.plot(data["x"] / length, density / size, color=BLACK)
     axis.set(xlim=(-reach / length, reach / length), xlabel=f"position x [{metres}]")
-    axis.set(ylabel=f"dissipated energy w [{label}]")
+    axis.set(ylabel=f"energy of the cycle w [{label}]")
 
 
 def _loop(axis, narrow, rows, shown):
