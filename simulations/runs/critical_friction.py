@@ -15,7 +15,7 @@ from ..solvers.condensed.system import CondensedSystem
 from .simulation import Simulation
 
 PLACES = 12  # of a sliver on the mesh
-LARGEST = 300  # surface nodes in contact for which the mesh's own bound is looked for
+LARGEST = 400  # surface nodes in contact for which the mesh's own bound is looked for
 
 
 def expected(scene: Scene, effects: Effects) -> CriticalFriction | None:
