@@ -90,13 +90,16 @@ def solve(values: dict) -> dict:
     """One case: how it ended (``outcome``, ``why``) and its numbers."""
     start, values = time.perf_counter(), dict(values)
     every_state = values.pop(EVERY_STATE, False)
+    side = ""
     try:
-        row = _measure(make_scene(values, base=None), every_state)
+        scene = make_scene(values, base=None)
+        side = critical_friction.side(scene)
+        row = _measure(scene, every_state)
     except SceneError as reason:
         row = {"outcome": REFUSED, "why": str(reason)}
     except SolveError as reason:
         row = {"outcome": FAILED, "why": str(reason)}
-    return row | {"seconds": round(time.perf_counter() - start, 3)}
+    return row | {"friction": side, "seconds": round(time.perf_counter() - start, 3)}
 
 
 def _measure(scene: Scene, every_state: bool) -> dict:
