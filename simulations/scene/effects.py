@@ -114,7 +114,7 @@ def elastic_slip(scene: Scene) -> Verdict:
     length = scene.effects.elastic_slip
     if not scene.friction or length is None:
         return Verdict(False, "no length given" if scene.friction else "no tangential load", "Coulomb's law as it is")
-    return Verdict(True, f"effects.elastic_slip = {length:g}", "a regularised law: stuck points slip in proportion to q")
+    return Verdict(True, f"effects.elastic_slip = {length:g}", "regularised: stuck points slip in proportion to q")
 
 
 def friction_in_normal_stage(scene: Scene) -> Verdict:
