@@ -59,6 +59,14 @@ class Result:
         return self._stack(lambda entry: entry.slip, self.simulation.scaled.scales.displacement)
 
     @cached_property
+    def frictional_work(self) -> np.ndarray:
+        """(n,) energy dissipated per area in the last full cycle, w of (51), or since the start where there is none,
+        J/m².
+        """
+        scales = self.simulation.scaled.scales
+        return self.simulation.history.work * scales.energy / scales.length
+
+    @cached_property
     def P(self) -> np.ndarray:
         """(s,) normal line load, N/m."""
         return self._stack(lambda entry: entry.increment.P, self.simulation.scaled.scales.line_load)

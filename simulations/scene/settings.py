@@ -28,7 +28,7 @@ class Mesh(Table):
     edge_at: Annotated[Dimensionless, Field(ge=0, le=1)] | None = Field(
         default=None,
         description="where in its facet an edge of contact or stick lies, from 0 at the inner end; "
-        "empty: wherever it falls",
+        "empty: where it costs least, if the edges are known exactly, else wherever it falls",
     )
     extent: HalfWidths = Field(
         default=20.0,
