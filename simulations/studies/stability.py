@@ -77,7 +77,7 @@ def drawn_cases(count: int) -> dict[str, dict]:
             "solver.increments": int(random.integers(2, 7)),
             "mesh.degree": int(random.integers(1, 4)),
             "mesh.edge_facet": float(random.choice([0.02, 0.01, 5e-3])),
-            "effects.friction_in_normal_stage": bool(random.random() < 0.2),
+            "effects.friction_in_normal_stage": coupled and bool(random.random() < 0.2),
             "effects.coupling": coupled,
         }
         shown = ", ".join(f"{key.partition('.')[2]} {value}" for key, value in changes.items())
