@@ -6,6 +6,7 @@ import numpy as np
 
 from analytic import FrettingLoop, HalfPlaneContact, SpringPath, contact_edges
 
+from ..fem.load import Load
 from ..scene import Scene
 from ..scene.effects import Effects
 from ..scene.scaling import Scaled
@@ -59,12 +60,14 @@ class ExpectedEdges:
 
 
 def expected_edges(
-    scene: Scene, scaled: Scaled, loop: FrettingLoop | None, effects: Effects, loads: list[tuple[float, float]]
+    scene: Scene, scaled: Scaled, loop: FrettingLoop | None, effects: Effects, loads: list[Load]
 ) -> ExpectedEdges:
     """From the closed form or, where it is another problem, from a rough half-plane solution.
 
-    loads: (P, Q) of the schedule, the first with Q = 0.
+    loads: of the schedule, the first with Q = 0; with bulk strain those of a loop with few load steps.
     """
+    if "bulk strain" in effects:
+        return _with_strain(scene, scaled, effects, loads)
     if scene.contact_has_closed_form:
         contact = scaled.contact
         assert contact is not None  # contact_has_closed_form
@@ -81,6 +84,25 @@ def expected_edges(
         return _rough_edges(scene, scaled, effects, loads)
     except (RuntimeError, ValueError):  # no reason to stop: the mesh is only less well graded
         return ExpectedEdges((1.0,))
+
+
+def _with_strain(scene, scaled, effects, loads):
+    """The stick zone is moved aside: by the closed form [X7] or, beyond its range, by a rough half-plane solution."""
+    if effects.has_closed_form:
+        loop, a = scene.stretched_loop, scene.half_width
+        ends = np.abs([loop.shift + loop.c, loop.shift - loop.c]) / a
+        inner = 0.0 if abs(loop.shift) < loop.c else ends.min()
+        return ExpectedEdges(_several([*ends, 1.0]), stick_way=(float(inner), 1.0))
+    try:
+        states = half_plane_solver(scene, scaled, effects, NODES).run(loads)
+    except (RuntimeError, ValueError):
+        return ExpectedEdges((1.0,))
+    turns = [state for state in states[::-1] if abs(state.Q) == max(abs(load.Q) for load in loads)]
+    shown = states[::-1] if scene.load.bulk_phase or scene.mesh.edges == "states" else turns
+    contact = np.abs([state.contact for state in states if state.Q])
+    edges = _several([edge for state in shown for edge in (*state.contact, *state.stick)])
+    way = (float(contact.min()), float(contact.max())) if "coupling" in effects else None
+    return ExpectedEdges(edges, contact_way=way, stick_way=(min(edges), float(contact.max())))
 
 
 def _rough_edges(scene, scaled, effects, loads):
