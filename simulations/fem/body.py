@@ -36,7 +36,9 @@ class ElasticBody:
     index in ``state`` of displacement i of node n. ``solid`` is what forms know of the material.
     """
 
-    def __init__(self, mesh, facets, modulus, nu: float, far_field, strip: float, mixed=False, works=(), degree=2, stretched=False):
+    def __init__(
+        self, mesh, facets, modulus, nu: float, far_field, strip: float, mixed=False, works=(), degree=2, stretched=False
+    ):
         self.mesh, self.modulus, self.facets, self.mixed, self.degree = mesh, modulus, facets, mixed, degree
         self.depth = modulus.depth_map()
         spaces = create_spaces(mesh, degree, mixed)

@@ -15,6 +15,7 @@ from .limits import expected_error, size_for
 NODES = 80  # of the half-plane solver: edges to a few 1e-3 of the half-width
 APART = 0.005  # edges closer than this (over the half-width) are one
 MOST = 30  # edges on either side
+FINER_WITH_STRAIN = 4.0  # facets on the ways of the edges of stick: traction to 2e-3 at every state for k >= 0
 FIRST = 3  # facets, either side, in the contact of the first increment with friction
 
 
@@ -34,13 +35,15 @@ def half_plane_solver(scene: Scene, scaled: Scaled, effects: Effects, nodes: int
 class ExpectedEdges:
     """Places x > 0 where edges turn round, and ways (from, to) of the contact's and of the stick's between them.
 
-    What is at x is at -x too. first: half-width of contact after the first increment, if friction acts in it.
+    What is at x is at -x too. first: half-width of contact after the first increment, if friction acts in it;
+    fineness: ``facet`` over the facets on the way of the edges of stick, if more than 1.
     """
 
     edges: tuple[float, ...]
     contact_way: tuple[float, float] | None = None
     stick_way: tuple[float, float] | None = None
     first: float | None = None
+    fineness: float = 1.0
 
     def sweeps(self, k: float, facet: float, edge_facet: float) -> tuple[tuple[float, float, float], ...]:
         """Intervals (from, to, facet length) over which edges move, on both sides.
@@ -48,7 +51,7 @@ class ExpectedEdges:
         For k < 0 traction ends the more steeply: facets are so small that an edge costs twice what it does at k = 0.
         Where pressure ends too, they come close to ``edge_facet``. The first contact has FIRST facets on either side.
         """
-        steep = size_for(2 * expected_error(0.0, facet), min(k, 0.0))
+        steep = min(size_for(2 * expected_error(0.0, facet), min(k, 0.0)), facet / self.fineness)
         ways = []
         if self.stick_way and steep < facet:
             ways.append((*self.stick_way, max(steep, edge_facet)))
@@ -92,7 +95,7 @@ def _with_strain(scene, scaled, effects, loads):
         loop, a = scene.stretched_loop, scene.half_width
         ends = np.abs([loop.shift + loop.c, loop.shift - loop.c]) / a
         inner = 0.0 if abs(loop.shift) < loop.c else ends.min()
-        return ExpectedEdges(_several([*ends, 1.0]), stick_way=(float(inner), 1.0))
+        return ExpectedEdges(_several([*ends, 1.0]), stick_way=(float(inner), 1.0), fineness=FINER_WITH_STRAIN)
     try:
         states = half_plane_solver(scene, scaled, effects, NODES).run(loads)
     except (RuntimeError, ValueError):
@@ -102,7 +105,8 @@ def _with_strain(scene, scaled, effects, loads):
     contact = np.abs([state.contact for state in states if state.Q])
     edges = _several([edge for state in shown for edge in (*state.contact, *state.stick)])
     way = (float(contact.min()), float(contact.max())) if "coupling" in effects else None
-    return ExpectedEdges(edges, contact_way=way, stick_way=(min(edges), float(contact.max())))
+    stick_way = min(edges), float(contact.max())
+    return ExpectedEdges(edges, contact_way=way, stick_way=stick_way, fineness=FINER_WITH_STRAIN)
 
 
 def _rough_edges(scene, scaled, effects, loads):

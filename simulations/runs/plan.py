@@ -12,7 +12,8 @@ from .expected_edges import expected_edges
 from .timing import Stopwatch
 
 # The far field is known less well where a coating is not in it, or where coupling moves the contact aside and with it
-# the line on which P acts (k = -0.5: 8 % of a, which costs 8e-3 in p at 20 a): it is prescribed that much further away.
+# the line on which P acts (k = -0.5: 8 % of a, which costs 8e-3 in p at 20 a), or where bulk strain moves the traction
+# aside (k = -0.3: 5e-4 in slip and energy): it is prescribed that much further away.
 FARTHER = 5.0
 ROUGH_QUARTER = 2  # load steps per Q_A of the rough solution that finds edges under bulk strain
 
@@ -20,8 +21,8 @@ ROUGH_QUARTER = 2  # load steps per Q_A of the rough solution that finds edges u
 class Plan:
     """A scene in scaled units.
 
-    ``contact``, ``loop`` and, with bulk strain, ``stretched`` are the closed forms, None where there are none; ``watch``
-    has the seconds spent in each phase.
+    ``contact``, ``loop`` and, with bulk strain, ``stretched`` are the closed forms, None where there are none;
+    ``watch`` has the seconds spent in each phase.
     """
 
     def __init__(self, scene: Scene, watch: Stopwatch):
@@ -57,7 +58,7 @@ class Plan:
         sizes = scene.cell_sizes
         if not scene.is_power_law:
             sizes["extent"] *= FARTHER * max(1.0, self.scaled.modulus.thickness)
-        elif "coupling" in self.effects and not scene.is_decoupled:
+        elif ("coupling" in self.effects and not scene.is_decoupled) or "bulk strain" in self.effects:
             sizes["extent"] *= FARTHER
         edges = {*found.edges, *(-e for e in found.edges)}
         sweeps = found.sweeps(scene.k, sizes["facet"], sizes["edge_facet"])
