@@ -2,8 +2,8 @@
 
 from functools import partial
 
-from conftest import coarse_overrides
 from mpi4py import MPI
+from running import coarse_overrides
 
 from simulations.loading.fallbacks import Options
 from simulations.runs.comparison import compare

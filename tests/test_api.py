@@ -6,9 +6,9 @@ import warnings
 
 import numpy as np
 import pytest
-from conftest import COARSE, ROOT
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from running import COARSE, ROOT
 
 import simulations
 from simulations import ChecksWarning, SceneError, make_scene, parse, run

@@ -5,7 +5,7 @@ import re
 from pathlib import Path
 
 import pytest
-from conftest import ROOT, coarse_arguments
+from running import ROOT, coarse_arguments
 
 from forms import contact, elasticity, weak_form
 from simulations import fretting
@@ -66,3 +66,8 @@ def test_links_lead_somewhere():
     for page in (ROOT / "README.md", *(ROOT / "docs").glob("*.md")):
         for target in re.findall(r"\]\(([^)#:]+)\)", page.read_text()):
             assert (page.parent / target).exists(), (page.name, target)
+
+
+def test_ci_runs_the_tests_as_the_readme_says():
+    command = re.search(r"^    (./docker/run pytest.*)$", (ROOT / "README.md").read_text(), re.M)[1]
+    assert command in (ROOT / ".ci" / "run").read_text().splitlines()

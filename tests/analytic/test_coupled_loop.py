@@ -5,7 +5,13 @@ from functools import lru_cache
 import numpy as np
 import pytest
 
-from analytic import CylinderContact, GradedHalfPlane, PowerProfile, Profile, ProfileContact
+from analytic import (
+    CylinderContact,
+    GradedHalfPlane,
+    PowerProfile,
+    Profile,
+    ProfileContact,
+)
 from analytic.coupled import CoupledLoop
 from analytic.coupled.exponents import edge_exponent
 from analytic.coupled.loop import branches_of

@@ -18,7 +18,12 @@ from defining_integrals import (
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from analytic import CylinderContact, GradedHalfPlane, GradedPair, UndefinedDisplacementError
+from analytic import (
+    CylinderContact,
+    GradedHalfPlane,
+    GradedPair,
+    UndefinedDisplacementError,
+)
 
 RTOL = 1e-12
 

@@ -13,7 +13,11 @@ from analytic.half_plane.interpolation import (
     interpolated,
     linear,
 )
-from analytic.half_plane.operator import SurfaceOperator, element_moments, nodal_integrals
+from analytic.half_plane.operator import (
+    SurfaceOperator,
+    element_moments,
+    nodal_integrals,
+)
 from analytic.half_plane.surface_kernel import PowerLawKernel
 from analytic.point_force import point_force_displacement
 

@@ -8,7 +8,7 @@ import sys
 import warnings
 
 import pytest
-from conftest import MPI_ENVIRONMENT, ROOT, coarse_arguments, run_command
+from running import MPI_ENVIRONMENT, ROOT, coarse_arguments, run_command
 
 from simulations.command import command, progress
 

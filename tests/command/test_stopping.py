@@ -14,10 +14,10 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from conftest import MPI_ENVIRONMENT, ROOT, coarse_arguments, run_command
+from running import MPI_ENVIRONMENT, ROOT, coarse_arguments, run_command
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGKILL)
-MOMENTS = 20
+MOMENTS = {1: 12, 2: 8}  # by ranks
 LINE = ("go on with python -m simulations.fretting --resume", "start again with python -m simulations.fretting")
 DONE = "the run is done"
 
@@ -59,6 +59,10 @@ def surface(folder):
         return {name: file[name][...] for name in ("pressure", "traction", "slip")}
 
 
+def files_of(folder):
+    return {path.name for path in folder.iterdir()} if folder.exists() else set()
+
+
 @pytest.fixture(scope="module")
 def uninterrupted(tmp_path_factory):
     """Folder of a run that nobody stops, and the seconds from its first word to its end."""
@@ -79,13 +83,13 @@ def test_stopped_at_random_moments(ranks, uninterrupted, tmp_path):
     """
     expected, seconds = uninterrupted
     chance, stops, runs = random.Random(18 + ranks), 0, 0
-    while stops < MOMENTS:
+    while stops < MOMENTS[ranks]:
         runs += 1
         folder, code = tmp_path / str(runs), None
         while code != 0:
             again = ["--resume", folder] if (folder / "scene.toml").exists() else None
             again = again or coarse_arguments(folder, solid__nu=0.3, effects__coupling="false")
-            if stops >= MOMENTS:
+            if stops >= MOMENTS[ranks]:
                 done = run_command(*again, ranks=ranks)
                 assert done.returncode == 0, done.stderr
                 break
@@ -100,12 +104,14 @@ def test_stopped_at_random_moments(ranks, uninterrupted, tmp_path):
             code, said = stopped(process, victim, number, chance.uniform(0.0, seconds))
             if code != 0:
                 stops += 1
+                if ranks > 1 and not said and files_of(folder) == files_of(expected):
+                    continue  # the ranks ended by themselves before mpirun passed the signal on: it says no word
                 check_ending(code, said, number, ranks)
         mine, theirs = surface(folder), surface(expected)
         for name, values in theirs.items():
             assert np.abs(mine[name] - values).max() <= 1e-10 * np.abs(values).max(), name
         assert json.loads((folder / "summary.json").read_text())["converged"] is True
-        assert {path.name for path in folder.iterdir()} == {path.name for path in expected.iterdir()}
+        assert files_of(folder) == files_of(expected)
 
 
 def check_ending(code, said, number, ranks):

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from conftest import coarse_arguments, run_command
+from running import coarse_arguments, run_command
 from solving import coarse_simulation, deviations, solved
 
 from simulations.scene import SceneError

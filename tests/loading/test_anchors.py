@@ -4,7 +4,13 @@ import numpy as np
 import pytest
 
 from forms.contact import BACKWARD, CLOSED, FORWARD, OPEN
-from simulations.loading.anchors import Ratio, Surface, anchors_of_entering, anchors_of_stopped, measure
+from simulations.loading.anchors import (
+    Ratio,
+    Surface,
+    anchors_of_entering,
+    anchors_of_stopped,
+    measure,
+)
 
 X = np.linspace(-1.5, 1.5, 121)
 

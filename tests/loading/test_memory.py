@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from conftest import COARSE
 from mpi4py import MPI
+from running import COARSE
 
 from simulations.api import make_scene
 from simulations.runs import checks

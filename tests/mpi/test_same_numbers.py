@@ -1,8 +1,8 @@
 """One short loop on all ranks of this run, and on one rank alone: the same numbers, plain and mixed."""
 
 import pytest
-from conftest import coarse_overrides
 from mpi4py import MPI
+from running import coarse_overrides
 
 from simulations.runs.simulation import Simulation
 from simulations.scene import DEFAULT_SCENE, parse

@@ -7,7 +7,7 @@ import sys
 import time
 
 import pytest
-from conftest import MPI_ENVIRONMENT, ROOT, coarse_arguments, run_command
+from running import MPI_ENVIRONMENT, ROOT, coarse_arguments, run_command
 
 from simulations import fretting
 from simulations.output import lock

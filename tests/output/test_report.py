@@ -4,7 +4,7 @@ import json
 from html.parser import HTMLParser
 
 import pytest
-from conftest import coarse_arguments
+from running import coarse_arguments
 
 from simulations import fretting, report
 from simulations.scene import SceneError

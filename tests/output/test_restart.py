@@ -15,7 +15,7 @@ import h5py
 import meshio
 import numpy as np
 import pytest
-from conftest import MPI_ENVIRONMENT, ROOT, coarse_arguments, run_command
+from running import MPI_ENVIRONMENT, ROOT, coarse_arguments, run_command
 
 from simulations import fretting, indentation
 from simulations.output import files as output

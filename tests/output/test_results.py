@@ -7,7 +7,7 @@ import h5py
 import meshio
 import numpy as np
 import pytest
-from conftest import coarse_arguments, run_command
+from running import coarse_arguments, run_command
 from solving import limit_stepping, of_the_closed_form
 
 from simulations import fretting

@@ -3,8 +3,8 @@
 import sys
 from pathlib import Path
 
-from conftest import COARSE
 from mpi4py import MPI
+from running import COARSE
 
 from simulations import run
 

@@ -6,8 +6,8 @@ import json
 
 import numpy as np
 import pytest
-from conftest import run_command
 from mpi4py import MPI
+from running import run_command
 from solving import deviations
 
 from simulations.runs import estimate

@@ -5,10 +5,10 @@ The effect: springs between the surface and the ground, as of a soft film, which
 
 import numpy as np
 import pytest
-from conftest import coarse_overrides
 from dolfinx.fem import petsc as fem_petsc
 from mpi4py import MPI
 from pydantic import Field
+from running import coarse_overrides
 from solving import coarse_simulation, solved
 
 from simulations.fem.body import X, Y

@@ -5,9 +5,15 @@ import csv
 import h5py
 import numpy as np
 import pytest
-from conftest import ROOT, coarse_arguments, run_command
 from mpi4py import MPI
-from solving import coarse_simulation, deviations, limit_stepping, of_the_closed_form, solved
+from running import ROOT, coarse_arguments, run_command
+from solving import (
+    coarse_simulation,
+    deviations,
+    limit_stepping,
+    of_the_closed_form,
+    solved,
+)
 
 from analytic.half_plane.linear import ContactNotConverged
 from simulations.fem.body import X, Y

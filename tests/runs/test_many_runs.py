@@ -6,7 +6,7 @@ import subprocess
 import sys
 
 import pytest
-from conftest import MPI_ENVIRONMENT, ROOT
+from running import MPI_ENVIRONMENT, ROOT
 
 
 @pytest.mark.slow

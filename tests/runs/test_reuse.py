@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from conftest import COARSE
 from mpi4py import MPI
+from running import COARSE
 
 from simulations.runs.simulation import Simulation, reuse_reason
 from simulations.scene import make_scene

@@ -7,8 +7,8 @@ import subprocess
 import sys
 
 import pytest
-from conftest import MPI_ENVIRONMENT, ROOT, coarse_arguments, run_command
 from refusals import REFUSED, SCENES, refusal, write_scenes
+from running import MPI_ENVIRONMENT, ROOT, coarse_arguments, run_command
 
 from simulations.scene import DEFAULT_SCENE, SceneError, parse
 

@@ -3,7 +3,7 @@
 import tomllib
 
 import pytest
-from conftest import ROOT
+from running import ROOT
 
 from simulations.scene import documentation, language, parse
 

@@ -5,10 +5,17 @@ import time
 
 import numpy as np
 import pytest
-from conftest import ROOT
 from pydantic import Field
+from running import ROOT
 
-from simulations.scene import DEFAULT_SCENE, Scene, SceneError, effects, make_scene, parse
+from simulations.scene import (
+    DEFAULT_SCENE,
+    Scene,
+    SceneError,
+    effects,
+    make_scene,
+    parse,
+)
 from simulations.scene.fields import Number
 from simulations.scene.settings import EffectSwitches, Mesh, Reference, Solver
 from simulations.scene.tables import (

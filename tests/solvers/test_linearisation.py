@@ -4,8 +4,8 @@ from contextlib import ExitStack
 
 import numpy as np
 import pytest
-from conftest import coarse_overrides
 from mpi4py import MPI
+from running import coarse_overrides
 
 from forms.contact import BACKWARD, CLOSED, FORWARD, OPEN, X, Y
 from simulations.fem.contact_problem import ContactProblem, Nitsche

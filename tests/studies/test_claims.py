@@ -1,10 +1,15 @@
 """The checked table of the paper's sentences: what docs/claims.md says is what the code finds."""
 
 import pytest
-from conftest import ROOT
+from running import ROOT
 
 from simulations.studies.paper.claim import FAILS, HOLDS, IN_PART, OPEN, minus_signs
-from simulations.studies.paper.claims_coupling import TABLE_NU, cycle_claims, difference, memory
+from simulations.studies.paper.claims_coupling import (
+    TABLE_NU,
+    cycle_claims,
+    difference,
+    memory,
+)
 from simulations.studies.paper.claims_theory import position_of_maximum, theory_claims
 
 PAGE = (ROOT / "docs" / "claims.md").read_text(encoding="utf-8")

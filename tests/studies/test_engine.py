@@ -6,7 +6,7 @@ from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from multiprocessing import get_context
 
 import pytest
-from conftest import run_command
+from running import run_command
 
 from simulations.output.files import OutputError
 from simulations.studies.engine import FAILED, Item, run_all

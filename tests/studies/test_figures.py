@@ -5,16 +5,23 @@ from math import gamma, log, pi, sqrt
 
 import numpy as np
 import pytest
-from conftest import COARSE, ROOT, run_command
 from matplotlib import pyplot as plt
 from mpi4py import MPI
+from running import COARSE, ROOT, run_command
 from scipy.special import hyp2f1
 
 from simulations.runs.simulation import Simulation
 from simulations.studies.figures import FIGURES, lines
 from simulations.studies.paper import comparisons, distributions, energies
 from simulations.studies.paper.elements import Deviation, Runs
-from simulations.studies.paper.setting import MU, NU, SHARES, contact, homogeneous_units, own_units
+from simulations.studies.paper.setting import (
+    MU,
+    NU,
+    SHARES,
+    contact,
+    homogeneous_units,
+    own_units,
+)
 
 
 @pytest.fixture(scope="module")

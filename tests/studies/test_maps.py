@@ -9,13 +9,20 @@ import time
 
 import numpy as np
 import pytest
-from conftest import MPI_ENVIRONMENT, ROOT, run_command
 from mpi4py import MPI
+from running import MPI_ENVIRONMENT, ROOT, run_command
 
 from analytic import GradedHalfPlane, ProfileContact
 from simulations.studies.loops import simulate
 from simulations.studies.mapping.answers import answer
-from simulations.studies.mapping.points import Point, by_simulation, by_theory, depth_factors, load, profile
+from simulations.studies.mapping.points import (
+    Point,
+    by_simulation,
+    by_theory,
+    depth_factors,
+    load,
+    profile,
+)
 from simulations.studies.paper import energies
 from simulations.studies.paper.elements import Runs
 from simulations.studies.paper.setting import MU, contact, own_units

@@ -5,8 +5,8 @@ import json
 
 import numpy as np
 import pytest
-from conftest import coarse_arguments, run_command
 from mpi4py import MPI
+from running import coarse_arguments, run_command
 from solving import coarse_simulation, limit_stepping, solved
 
 from simulations.fem import body

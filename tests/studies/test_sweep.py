@@ -13,7 +13,7 @@ from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 
 import pytest
-from conftest import COARSE, MPI_ENVIRONMENT, ROOT, run_command
+from running import COARSE, MPI_ENVIRONMENT, ROOT, run_command
 from solving import coarse_simulation
 
 import simulations.sweep as command
