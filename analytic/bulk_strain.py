@@ -30,6 +30,13 @@ class StretchedPartialSlip:
     strain: float
 
     @property
+    def contact(self) -> CylinderContact:
+        """Normal contact."""
+        contact = self.state.contact
+        assert isinstance(contact, CylinderContact)  # StretchedLoop refuses others
+        return contact
+
+    @property
     def c(self):
         """Half-width of the stick zone [length], from Q as without strain, (48)."""
         return self.state.c
@@ -37,12 +44,12 @@ class StretchedPartialSlip:
     @property
     def shift(self):
         """Centre of the stick zone e = eps R/(mu alpha) [length], for Q < 0 its negative, [X7]."""
-        contact = self.state.contact
+        contact = self.contact
         return self._direction * self.strain * contact.R / (self.state.mu * contact.solid.alpha)
 
     def traction(self, x):
         """q(x) = mu [p(x, a) - p(x - e, c)] [stress], [X7]."""
-        contact, mu = self.state.contact, self.state.mu
+        contact, mu = self.contact, self.state.mu
         x, e, c, width = self._broadcast(x)
         q = np.array(np.broadcast_to(contact.pressure(x), x.shape))
         stick = np.abs(x - e) < c
@@ -58,7 +65,7 @@ class StretchedPartialSlip:
 
         For |x| > a it is the displacement of the free surface, stretched as it is, from the zone.
         """
-        contact, k = self.state.contact, self.state.contact.solid.k
+        contact, k = self.contact, self.contact.solid.k
         x, e, c, width = self._broadcast(x)
         side = np.where(x >= e, 1.0, -1.0)
         near = (side * x - contact.a) + width - side * e  # |x - e| - c without the rounding of c
@@ -69,7 +76,7 @@ class StretchedPartialSlip:
     @property
     def work(self):
         """∫ mu p(x, a) |h_x(x - e)| dx [stress x length²], lost where points slid all along."""
-        contact, k = self.state.contact, self.state.contact.solid.k
+        contact, k = self.contact, self.contact.solid.k
         e, c = float(self.shift), float(self.c)
         width = -contact.a * np.expm1(self.state.log_ratio / (2 + k))
         total = 0.0
@@ -89,7 +96,7 @@ class StretchedPartialSlip:
 
     def _broadcast(self, x):
         """x, e, c and a - c, the last without the rounding error of c, of one shape."""
-        contact = self.state.contact
+        contact = self.contact
         width = -contact.a * np.expm1(self.state.log_ratio / (2 + contact.solid.k))
         return np.broadcast_arrays(np.asarray(x, dtype=float), self.shift, self.c, width)
 

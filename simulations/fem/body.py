@@ -37,7 +37,17 @@ class ElasticBody:
     """
 
     def __init__(
-        self, mesh, facets, modulus, nu: float, far_field, strip: float, mixed=False, works=(), degree=2, stretched=False
+        self,
+        mesh,
+        facets,
+        modulus,
+        nu: float,
+        far_field,
+        strip: float,
+        mixed=False,
+        works=(),
+        degree=2,
+        stretched=False,
     ):
         self.mesh, self.modulus, self.facets, self.mixed, self.degree = mesh, modulus, facets, mixed, degree
         self.depth = modulus.depth_map()

@@ -78,7 +78,7 @@ def expected_edges(
         if loop is None and not scene.friction:
             return ExpectedEdges((a,))
         if loop is None:
-            states = SpringPath(contact, scene.mu).run(loads)[::-1]
+            states = SpringPath(contact, scene.mu).run([load[:2] for load in loads])[::-1]
             return ExpectedEdges(_several([e for s in states for e in (s.contact_half_width, s.stick_half_width)]))
         shares = (0.5, 0.0, -0.5) if scene.mesh.edges == "states" else ()
         between = [loop.active_half_width(share * loop.Q_A, "unloading") for share in shares]

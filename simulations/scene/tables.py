@@ -179,7 +179,7 @@ class Fretting(Load):
     )
     bulk_strain: Annotated[Number, Unit("–"), Field(ge=-0.1, le=0.1)] | None = Field(
         default=None,
-        description="amplitude of a uniform strain of the body along x, tension positive: [bulk_strain.md](bulk_strain.md)",
+        description="amplitude of a uniform strain of the body along x, tension > 0: [bulk_strain.md](bulk_strain.md)",
     )
     bulk_stress: Annotated[Number, Unit("Pa"), Field(ge=-1e12, le=1e12)] | None = Field(
         default=None, description="the same as the stress E ε/(1−ν²) at the depth `bulk_depth`"
