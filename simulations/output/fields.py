@@ -44,7 +44,10 @@ class FieldWriter:
             if not mesh.exists():
                 points, cells = self.numbering.mesh()
                 self._keep(mesh, {"points": points * self.scales.length, "cells": cells})
-            u = self.numbering.at_vertices(u) * self.scales.displacement
+            u = self.numbering.at_vertices(u)
+            if self.body.strain is not None:
+                u = u + self.body.stretching(*self.numbering.mesh()[0][:, :2].T)
+            u = u * self.scales.displacement
             u = np.column_stack([u, np.zeros(len(u))])  # a vector to ParaView has three components
             stress *= self.scales.stress
             state = {"displacement": u, "stress": stress[:, :3], "von_mises": stress[:, 3]}
