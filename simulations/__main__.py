@@ -12,6 +12,7 @@ COMMANDS = {
     "studies.body_stress DIR": "stress in the body at the states of a run",
     "studies.claims": "the paper's sentences, decided by numbers",
     "studies.cost": "error against seconds",
+    "studies.bulk_strain": "what bulk strain does to traction and stick zone",
     "studies.coupling": "what coupling changes",
     "studies.figures": "the paper's figures",
     "studies.maps": "which grading loses least energy",

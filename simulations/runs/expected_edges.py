@@ -7,10 +7,10 @@ import numpy as np
 from analytic import FrettingLoop, HalfPlaneContact, SpringPath, contact_edges
 
 from ..fem.load import Load
-from ..scene import Scene
+from ..scene import Scene, SceneError
 from ..scene.effects import Effects
 from ..scene.scaling import Scaled
-from .limits import expected_error, size_for
+from .limits import NARROWEST, expected_error, size_for
 
 NODES = 80  # of the half-plane solver: edges to a few 1e-3 of the half-width
 APART = 0.005  # edges closer than this (over the half-width) are one
@@ -101,6 +101,13 @@ def _with_strain(scene, scaled, effects, loads):
     except (RuntimeError, ValueError):
         return ExpectedEdges((1.0,))
     turns = [state for state in states[::-1] if abs(state.Q) == max(abs(load.Q) for load in loads)]
+    stick = min(np.ptp(state.stick_zones, axis=1).max(initial=0.0) for state in turns)
+    if stick < NARROWEST * min(scene.mesh.edge_facet, scene.mesh.facet):
+        key = "bulk_strain" if scene.load.bulk_stress is None else "bulk_stress"
+        raise SceneError(
+            f"load.{key} = {getattr(scene.load, key):g} is not allowed: it makes the whole contact slip, only "
+            f"{stick:.1g} a would stick at Q_A; less strain, or a smaller load.amplitude"
+        )
     shown = states[::-1] if scene.load.bulk_phase or scene.mesh.edges == "states" else turns
     contact = np.abs([state.contact for state in states if state.Q])
     edges = _several([edge for state in shown for edge in (*state.contact, *state.stick)])

@@ -79,6 +79,11 @@ def test_beyond_the_closed_form():
     assert compare(simulation.history, other)["traction_l2"] < 2e-2
 
 
+def test_strain_that_makes_all_slip():
+    with pytest.raises(SceneError, match="load.bulk_strain = 0.05 is not allowed: it makes the whole contact slip"):
+        coarse_simulation(UNCOUPLED, solid__k=0.0, load__bulk_strain=0.05)
+
+
 def test_strain_behind_the_load():
     """In phase ε = ε_A Q/Q_A; 90° behind it is largest at Q = 0 on the way down; constant stays."""
     schedule = rocking(1.0, 0.6, cycles=1, quarter=2)
