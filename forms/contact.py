@@ -45,9 +45,13 @@ def clearance(traction, gap, gamma):
     return ufl.conditional(ufl.gt(distance, 0.0), distance, 0.0)
 
 
-def trial_traction(traction, s, anchor, gamma):
-    """The tangential traction of a point that does not slip:  t_x - gamma (s - s_anchor)."""
-    return traction[X] - gamma * (s - anchor)
+def trial_traction(traction, s, anchor, gamma, elastic=None):
+    """The tangential traction of a point that does not slip:  [t_x - gamma (s - s_anchor)]/(1 + gamma c) .
+
+    elastic: compliance c of elastic slip, with which a stuck point moves by  s - s_anchor = -c q ; None: c = 0.
+    """
+    trial = traction[X] - gamma * (s - anchor)
+    return trial if elastic is None else trial / (1.0 + gamma * elastic)
 
 
 def slides(trial, limit, before):
@@ -84,12 +88,14 @@ def contact_state(pressure, sliding=None):
     return closed if sliding is None else ufl.conditional(ufl.gt(closed, 1.0), closed + sliding, 0.0)
 
 
-def rest_position(traction, s, q, gamma):
-    """The anchor after an increment that ended with traction ``q``:  s - (t_x - q)/gamma.
+def rest_position(traction, s, q, gamma, elastic=None):
+    """The anchor after an increment that ended with traction ``q``:  s - (t_x - q)/gamma + c q.
 
-    Unchanged where the point stuck; where it slid, the position from which ``q`` is the trial value.
+    Unchanged where the point stuck; where it slid, the position from which ``q`` is the trial value. elastic: c, as in
+    ``trial_traction``.
     """
-    return s - (traction[X] - q) / gamma
+    rest = s - (traction[X] - q) / gamma
+    return rest if elastic is None else rest + elastic * q
 
 
 def work(contact_traction, v, direction):

@@ -27,13 +27,6 @@ def stretching_stress(young, nu, strain):
     return ufl.as_matrix([[young * strain / (1.0 - nu**2), 0.0], [0.0, 0.0]])
 
 
-def von_mises(sigma, nu):
-    """von Mises stress of plane strain, where sigma_zz = nu (sigma_xx + sigma_yy)."""
-    across = nu * ufl.tr(sigma)
-    differences = (sigma[0, 0] - sigma[1, 1], sigma[1, 1] - across, across - sigma[0, 0])
-    return ufl.sqrt(sum(d**2 for d in differences) / 2.0 + 3.0 * sigma[0, 1] ** 2)
-
-
 def virtual_work(u, v, modulus, nu, depth: DepthMap, s, correction=1.0, pi=None):
     """Integrand of  ∫ sigma(u) : eps(v) dx dy  on the ``(x, s)`` mesh.
 

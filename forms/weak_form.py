@@ -61,6 +61,7 @@ class Friction:
     mu; anchor: where a point last came to rest; slid: where it slid in the last Newton iterate (``contact.slides``);
     all_stick: 1 in the predictor; is_lagged: 1 where friction is limited by lagged_pressure, None where there is none;
     stretch: tangential displacement of the surface beside u (``contact.stretch``), None without bulk strain.
+    elastic: compliance of elastic slip, a length over a stress, None without.
     """
 
     mu: Any
@@ -70,6 +71,7 @@ class Friction:
     is_lagged: Any = None
     lagged_pressure: Any = None
     stretch: Any = None
+    elastic: Any = None
 
 
 @dataclass(frozen=True)
@@ -125,7 +127,7 @@ def _with_friction(u, t, delta, p, tractions, nitsche, friction, clearance=None)
     s = contact.relative_displacement(u, delta)  # (F6)
     if friction.stretch is not None:
         s += friction.stretch
-    trial = contact.trial_traction(t, s, friction.anchor, gamma)
+    trial = contact.trial_traction(t, s, friction.anchor, gamma, friction.elastic)
     limit = friction.mu * limiting
     sliding = contact.slides(trial, limit, friction.slid)
     q = contact.coulomb(trial, limiting, limit, sliding, friction.all_stick)  # (F7)
@@ -138,7 +140,7 @@ def _with_friction(u, t, delta, p, tractions, nitsche, friction, clearance=None)
         friction,
         sliding,
         beyond_limit=contact.slip_beyond_limit(trial, limit, gamma),
-        rest=contact.rest_position(t, s, q, gamma),  # (F11)
+        rest=contact.rest_position(t, s, q, gamma, friction.elastic),  # (F11)
         released=contact.rest_position(t, s, 0.0, gamma),
     )
 

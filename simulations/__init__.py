@@ -1,6 +1,6 @@
 """Simulations of frictional contact and fretting: from a scene to files, or to arrays.
 
-    from . import run
+    from simulations import run
     result = run({"load.amplitude": 0.6})
     print(result.a, result.pressure.shape)
 
@@ -10,11 +10,12 @@ What is exported is loaded when it is first asked for (docs/library.md).
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-__version__ = "0.1.0"
+from .version import __version__
 
 if TYPE_CHECKING:
     from .api import Result, run
     from .loading.stepping import SolveError
+    from .output.body_states import body_functions
     from .runs.checks import ChecksWarning
     from .runs.comparison import compare
     from .runs.reference import closed_form, of_same_physics
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from .studies.sweeping import sweep
 
 _EXPORTS = {
+    "body_functions": "output.body_states",
     "ChecksWarning": "runs.checks",
     "compare": "runs.comparison",
     "SceneError": "scene",
@@ -47,6 +49,8 @@ __all__ = [
     "SceneError",
     "Simulation",
     "SolveError",
+    "__version__",
+    "body_functions",
     "closed_form",
     "compare",
     "language",

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from mpi4py import MPI
 
-from .runs import checks, comparison, reference
+from .runs import checks, comparison, critical_friction, reference
 from .runs.history import Entry
 from .runs.simulation import Simulation
 from .scene import DEFAULT_SCENE, Scene, make_scene
@@ -59,6 +59,14 @@ class Result:
         return self._stack(lambda entry: entry.slip, self.simulation.scaled.scales.displacement)
 
     @cached_property
+    def frictional_work(self) -> np.ndarray:
+        """(n,) energy dissipated per area in the last full cycle, w of (51), or since the start where there is none,
+        J/m².
+        """
+        scales = self.simulation.scaled.scales
+        return self.simulation.history.work * scales.energy / scales.length
+
+    @cached_property
     def P(self) -> np.ndarray:
         """(s,) normal line load, N/m."""
         return self._stack(lambda entry: entry.increment.P, self.simulation.scaled.scales.line_load)
@@ -93,7 +101,8 @@ class Result:
         """What the run is checked for after the solve, by name: value, limit, and whether it ``holds``."""
         simulation = self.simulation
         coupled = "coupling" in simulation.effects or not simulation.scene.friction
-        return checks.check(simulation.history, simulation.scaled.indenter.height, coupled)
+        height, cause = simulation.scaled.indenter.height, lambda: critical_friction.cause(simulation)
+        return checks.check(simulation.history, height, coupled, cause)
 
     def errors(self) -> dict[str, float]:
         """Relative deviations from what has the same physics; reference.NoReference where there is none."""

@@ -73,7 +73,7 @@ def go(simulation: Simulation, folder, progress: Progress, again: str):
         progress.say(f"\n{results.table()}")
         seconds = "  ".join(f"{phase} {value:.1f} s" for phase, value in results.summary["seconds"].items())
         progress.say(f"{results.summary['newton_iterations']} Newton iterations;  {seconds}")
-        progress.say(f"written to {folder}: {', '.join(files())}")
+        progress.say(f"written to {folder}: {', '.join(files(folder))}")
     if results.failing:
         raise ChecksFailed(results.failing)
 

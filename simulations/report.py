@@ -1,24 +1,35 @@
-"""One self-contained page about a finished or stopped run:  python -m simulations.report DIR."""
+"""One page about a run that a person can read, print on two sheets and send on:  python -m simulations.report DIR."""
 
 import base64
 import csv
 import html
-import io
 import json
 from pathlib import Path
 
 import matplotlib.pyplot as plt
+import numpy as np
 
 from .command.command import Parser, on_root, run, say
+from .output import page_figures as figures
+from .output.body_states import read_states
 from .output.files import write_text
-from .scene import SceneError, shown
+from .output.page_words import CHECKS, FIELDS, PHASES, QUANTITIES, asked, quantity
+from .output.style import style
+from .scene import SceneError, parse, shown
+from .studies.body_stress import draw
 
 PAGE = "report.html"
-STYLE = """body{font:15px/1.5 sans-serif;max-width:62em;margin:2em auto;padding:0 1em;color:#222}
-table{border-collapse:collapse;margin:.5em 0}td,th{border-bottom:1px solid #ddd;text-align:left}
-td,th{padding:.15em .8em .15em 0}
-td.n{text-align:right;font-variant-numeric:tabular-nums}pre{background:#f5f5f5;padding:.8em;overflow-x:auto}
-img{max-width:100%}.bad{color:#a00;font-weight:bold}"""
+STYLE = """body{font:15px/1.45 sans-serif;max-width:64em;margin:2em auto;padding:0 1em;color:#222}
+h1{font-size:1.5em}h2{font-size:1.1em;margin:1.2em 0 .2em}p{margin:.3em 0}
+table{border-collapse:collapse;margin:.3em 0;width:100%}td,th{border-bottom:1px solid #ddd;text-align:left}
+td,th{padding:.12em .8em .12em 0}td.n,th.n{text-align:right;font-variant-numeric:tabular-nums;white-space:nowrap}
+pre{background:#f5f5f5;padding:.8em;white-space:pre-wrap}
+img{width:100%;margin:.3em 0}img.beside{max-height:30em;width:auto;max-width:100%}.bad{color:#a00;font-weight:bold}
+.small{color:#555;font-size:.9em}details table{font-size:.8em}
+@page{size:A4;margin:12mm 14mm}
+@media print{body{font-size:10.5px;line-height:1.3;margin:0;padding:0;max-width:none}details{display:none}
+h2{break-after:avoid}img,tr{break-inside:avoid}.second{break-before:page}
+img.beside{max-height:90mm}}"""
 
 
 def main(arguments: list[str]):
@@ -48,20 +59,21 @@ def read(arguments: list[str]) -> Path:
 
 
 def page(folder: Path) -> str:
-    """The page as HTML; everything it shows is in it."""
+    """The page as HTML; everything it shows is in it. SceneError where the files are not those of a run."""
     try:
         summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
         with open(folder / "history.csv", newline="", encoding="utf-8") as file:
             rows = list(csv.DictReader(file))
         scene = (folder / "scene.toml").read_text(encoding="utf-8")
         title = summary["title"] or folder.name
-        parts = [_verdict(summary), _results(summary), _errors(summary)]
+        parts = [_verdict(summary), "<h2>What was asked</h2>", *map(_paragraph, asked(parse(scene)))]
+        parts += ["<h2>What was found</h2>", _found(summary), _fields(summary), "<h2>Checks</h2>", _checks(summary)]
         if (folder / "fretting.png").is_file():
-            parts.append(_image((folder / "fretting.png").read_bytes(), "pressure, traction and friction loop"))
-        parts += ["<h2>Effects</h2>", _effects(summary)]
-        parts += ["<h2>Convergence</h2>", _image(_convergence(rows), "convergence")]
-        parts += [_history(rows), "<h2>Scene</h2>", f"<pre>{html.escape(scene)}</pre>"]
-        parts += ["<h2>Versions and seconds</h2>", _table(summary["versions"]), _table(summary["seconds"])]
+            parts.append("<h2>Computed points on the lines of what the run is compared with</h2>")
+            parts.append(_image((folder / "fretting.png").read_bytes(), "computed points on lines", "beside"))
+        parts += [_surface(folder, rows), _body(folder, rows), "<h2>How it was solved</h2>", _solved(summary)]
+        parts.append(_history(rows))
+        parts.append(f"<details><summary>Scene</summary><pre>{html.escape(scene)}</pre></details>")
     except (KeyError, IndexError, TypeError, AttributeError, ValueError, OSError) as error:
         raise SceneError(f"{shown(folder)}: its files are not those of a run: {error!r}") from None
     head = f"<meta charset='utf-8'><title>{html.escape(title)}</title><style>{STYLE}</style>"
@@ -70,67 +82,119 @@ def page(folder: Path) -> str:
 
 
 def _verdict(summary):
-    sizes = f"{summary['increments']} increments, {summary['newton_iterations']} Newton iterations"
-    sizes += f", {summary['cuts']} cuts, {summary['dofs']} unknowns on {summary['ranks']} rank(s)"
-    resumed = f", resumed {summary['resumed']} times" if summary.get("resumed") else ""
-    if summary["converged"]:
-        return f"<p>Converged: {sizes}{resumed}.</p>"
-    return f"<p class='bad'>Did not reach its end: {html.escape(str(summary['failure']))}</p><p>{sizes}{resumed}.</p>"
+    if not summary["converged"]:
+        return f"<p class='bad'>Did not reach its end: {html.escape(str(summary['failure']))}</p>"
+    steps = f"All load steps converged ({summary['increments']})"
+    if summary["checks_hold"]:
+        return f"<p>{steps}, and all checks of the result hold.</p>"
+    return f"<p class='bad'>{steps}, but checks of the result fail (see below).</p>"
 
 
-def _results(summary):
-    names = {
-        "a": "contact half-width a [m]",
-        "a_over_a0": "a/a0",
-        "c_over_a": "stick half-width c/a",
-        "indentation": "indentation [m]",
-        "dissipated_energy": "dissipated energy of the last cycle [J/m]",
-    }
-    return _table({label: summary[name] for name, label in names.items() if name in summary})
+def _found(summary):
+    """Scalars of the last state and cycle, beside those of the reference and of closed forms without some physics."""
+    beside = [(kind, summary[kind]) for kind in ("errors", "differences") if summary.get(kind)]
+    heads = {"errors": ("reference", "relative error"), "differences": ("closed form", "relative difference")}
+    table = [["last state and cycle", "computed", *(word for kind, _ in beside for word in heads[kind])]]
+    for name, (words, unit) in QUANTITIES.items():
+        if name in summary:
+            row = [words, quantity(summary[name], unit)]
+            for _, deviations in beside:
+                share = deviations.get(name)
+                row += ["–", "–"] if share is None else [quantity(summary[name] / (1 + share), unit), f"{share:+.1e}"]
+            table.append(row)
+    notes = [f"Reference: {summary['reference']}."] if "reference" in summary else []
+    if summary.get("differences"):
+        notes.append(f"Differences are from the {summary['differences_from']}.")
+    return (_table(table) if len(table) > 1 else "<p>No result.</p>") + _paragraph(" ".join(notes), "small")
 
 
-def _errors(summary):
-    parts = []
-    for kind, label in (("errors", "reference"), ("differences", "differences_from")):
-        if summary.get(kind):
-            text = f"Relative {kind}, {summary[label]}"
-            parts.append(f"<h2>{kind.capitalize()}</h2><p>{html.escape(text)}</p>{_table(summary[kind])}")
-    return "".join(parts) or f"<p>No errors: reference {html.escape(str(summary.get('reference', 'none')))}.</p>"
+def _fields(summary):
+    """Deviations of the fields over the contact, at the last and at the worst state."""
+    table = [["relative deviation in L2 over the contact", "last state", "worst state"]]
+    for kind, word in (("errors", "error"), ("differences", "difference")):
+        for name, field in FIELDS.items():
+            if name in (summary.get(kind) or {}):
+                worst = summary[f"{kind}_worst_state"][name]
+                table.append([f"{word} of the {field}", f"{summary[kind][name]:.1e}", f"{worst:.1e}"])
+    return _table(table) if len(table) > 1 else ""
 
 
-def _effects(summary):
-    return _table({name: "on" if on else "off" for name, on in summary["effects"].items()})
+def _checks(summary):
+    if not summary.get("checks"):
+        return "<p>The run did not reach its end: nothing was checked.</p>"
+    table = [["", "value", "limit", ""]]
+    for name, check in summary["checks"].items():
+        numbers = ("none" if v is None else f"{abs(v):.1e}" if v else "0" for v in (check["value"], check["limit"]))
+        table.append([CHECKS.get(name, name), *numbers, "holds" if check["holds"] else "fails"])
+    return _table(table)
 
 
-def _convergence(rows) -> bytes:
-    numbers = [int(row["increment"]) for row in rows]
-    figure, (left, right) = plt.subplots(1, 2, figsize=(10, 3), layout="constrained")
-    left.bar(numbers, [int(row["iterations"]) for row in rows])
-    left.set(xlabel="increment", ylabel="Newton iterations")
-    right.semilogy(numbers, [max(float(row["residual"]), 1e-17) for row in rows], "o-")
-    right.set(xlabel="increment", ylabel="force residual / P")
-    image = io.BytesIO()
-    figure.savefig(image, dpi=110)
-    plt.close(figure)
-    return image.getvalue()
+def _surface(folder, rows):
+    image = figures.surface(folder, rows)
+    if image is None:
+        return ""
+    title = "<h2 class='second'>On the surface</h2>"
+    note = "Letters and dots are states of the last cycle: A at its end, B to E on the way from +Q_A to −Q_A."
+    lettered = any(row["state"] == "E" for row in rows)
+    return title + _image(image, "pressure, traction, slip and friction loop") + _paragraph(note * lettered, "small")
+
+
+def _body(folder, rows):
+    """Von Mises stress below the contact at the recorded states; nothing where the run has none."""
+    if not (folder / "fields.xdmf").is_file():
+        return ""
+    states = {state.label.partition(",")[0]: state for state in read_states(folder)}
+    half_width = float(rows[-1]["a[m]"])
+    with style():
+        lines = -(-len(states) // 3)
+        size = (figures.WIDTH, 2.1 * lines + 0.4)
+        figure, axes = plt.subplots(lines, 3, figsize=size, layout="constrained", squeeze=False)
+        scale = max(_below(state, half_width) for state in states.values())
+        for axis, state in zip(axes.flat, states.values(), strict=False):
+            filled = draw(axis, state, half_width, scale)
+        for axis in axes.flat[len(states) :]:
+            axis.set_visible(False)
+        figure.colorbar(filled, ax=axes.ravel().tolist(), label="von Mises stress [MPa]")
+        image = figures.png(figure)
+    return "<h2>Stress in the body</h2>" + _image(image, "von Mises stress below the contact at the recorded states")
+
+
+def _below(state, a):
+    """Largest stress beneath the surface layers, in which a graded body may carry a spike [Pa]."""
+    return float(state.von_mises[np.ix_((state.y > 0.02 * a) & (state.y < 3 * a), np.abs(state.x) < 3 * a)].max())
+
+
+def _solved(summary):
+    sizes = f"{summary['dofs']} unknowns on {summary['ranks']} rank(s); {summary['increments']} load steps took "
+    sizes += f"{summary['newton_iterations']} Newton iterations and were halved {summary['cuts']} times."
+    if summary.get("resumed"):
+        sizes += f" The run was resumed {summary['resumed']} times."
+    seconds = "; ".join(f"{PHASES.get(phase, phase)} {s:.1f}" for phase, s in summary["seconds"].items())
+    versions = ", ".join(f"{name} {version}" for name, version in summary["versions"].items())
+    return "".join(map(_paragraph, (sizes, f"Seconds: {seconds}.", f"Versions: {versions}.")))
 
 
 def _history(rows):
-    head = "".join(f"<th>{html.escape(name)}</th>" for name in rows[0])
-    body = "".join(f"<tr>{''.join(f'<td>{html.escape(value)}</td>' for value in row.values())}</tr>" for row in rows)
-    return f"<details><summary>Every increment</summary><table><tr>{head}</tr>{body}</table></details>"
+    table = _table([list(rows[0]), *(list(row.values()) for row in rows)])
+    image = _image(figures.convergence(rows), "Newton iterations and residuals")
+    return f"<details><summary>Every load step</summary>{image}{table}</details>"
 
 
-def _table(values):
-    def written(value):
-        return f"{value:.6g}" if isinstance(value, float) else str(value)
-
-    cells = ((html.escape(str(name)), html.escape(written(value))) for name, value in values.items())
-    return f"<table>{''.join(f'<tr><td>{name}</td><td class=n>{value}</td></tr>' for name, value in cells)}</table>"
+def _paragraph(text, kind=""):
+    return f"<p class='{kind}'>{html.escape(text)}</p>" if text else ""
 
 
-def _image(content: bytes, name: str):
-    return f"<img alt='{name}' src='data:image/png;base64,{base64.b64encode(content).decode()}'>"
+def _table(rows):
+    """rows: texts, the first row the heads; the first column is text, the others are numbers."""
+    lines = []
+    for tag, row in zip(["th"] + ["td"] * len(rows), rows):
+        cells = (f"<{tag}{' class=n' if i else ''}>{html.escape(str(text))}</{tag}>" for i, text in enumerate(row))
+        lines.append(f"<tr>{''.join(cells)}</tr>")
+    return f"<table>{''.join(lines)}</table>"
+
+
+def _image(content: bytes, name: str, kind: str = ""):
+    return f"<img class='{kind}' alt='{name}' src='data:image/png;base64,{base64.b64encode(content).decode()}'>"
 
 
 if __name__ == "__main__":

@@ -10,12 +10,12 @@ from argparse import Namespace
 from pathlib import Path
 from types import ModuleType
 
-from . import __version__
 from .command.command import Parser, comm, on_root, run, say, writable
 from .scene import DEFAULT_SCENE, SceneError
 from .studies.engine import workers
 from .studies.sweeping import Table, run_sweep, sweep
 from .studies.variation import check, product, read_table, read_text, read_vary
+from .version import __version__
 
 SOME_FAILED = 3  # exit code
 

@@ -6,7 +6,7 @@ Coulomb fulfilled node by node. Beyond the paper, whose theory neglects the coup
 """
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from math import exp, log
 
@@ -44,6 +44,7 @@ class HalfPlaneContact:
     mu: friction coefficient. coupling: False leaves out the coupling kernel, the approximation of the closed forms.
     friction_in_normal_stage: whether friction acts from first contact, or only after the leading loads with Q = 0.
     nodes: their number at every increment; half of them while the edges are sought.
+    elastic: compliance c of elastic slip [length/stress]; the slip of a state is then that of u_x + c q.
     """
 
     solid: GradedHalfPlane | SurfaceKernel
@@ -52,6 +53,7 @@ class HalfPlaneContact:
     coupling: bool = True
     friction_in_normal_stage: bool = False
     nodes: int = 300
+    elastic: float = 0.0
 
     @cached_property
     def kernel(self) -> SurfaceKernel:
@@ -138,6 +140,8 @@ class HalfPlaneContact:
                     f"P = {P:g}, Q = {Q:g}: the profile has no height at x = {beyond:g}, just outside "
                     f"the contact between {layout.contact[0]:g} and {layout.contact[1]:g}"
                 )
+            if self.elastic:
+                operator = replace(operator, tangential=operator.tangential + self.elastic * np.eye(len(x)))
             increment = Increment(operator, height, memory.position(x) - strain * x, mu, P, Q)
             previous = increment.solve(_initial_sets(x, layout, previous))
             if not previous.sets.closed[[0, -1]].any():
@@ -157,6 +161,8 @@ class HalfPlaneContact:
             u_x = nodal_moments(T, operator.of_traction) @ solution.traction
             if self.coupling:
                 u_x += nodal_moments(D, operator.of_pressure) @ solution.pressure
+            if self.elastic:
+                u_x += self.elastic * interpolated(x, operator.of_traction, solution.traction, y)
             return u_x - solution.delta_x + strain * y
 
         if normal_stage:

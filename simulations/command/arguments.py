@@ -10,9 +10,9 @@ from typing import NoReturn
 
 from petsc4py import PETSc
 
-from .. import __version__
 from ..output import checkpoint
 from ..scene import Scene, SceneError, parse, shown
+from ..version import __version__
 
 LARGEST_SCENE = 1_000_000
 EPILOG = """\

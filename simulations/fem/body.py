@@ -140,6 +140,14 @@ class ElasticBody:
         if self.strain is not None:
             self.strain.value = strain
 
+    def displaced(self) -> np.ndarray:
+        """The local array of ``state`` with the displacement of the uniform strain."""
+        state = self.state.x.array.copy()
+        if self.strain is not None:
+            x, s, _ = self.displacements.tabulate_dof_coordinates().T
+            state[self.dofs] += self.stretching(x, self.depth.y(np.maximum(s, 0.0)))
+        return state
+
     def stretching(self, x, y) -> np.ndarray:
         """Displacement (n, 2) of the uniform strain at x and depth y (n,), which ``state`` does not hold."""
         strain, nu = 0.0 if self.strain is None else float(self.strain.value), float(self.nu.value)

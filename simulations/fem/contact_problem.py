@@ -30,14 +30,22 @@ class ContactProblem:
 
     height: numpy function of x, the indenter's profile f(x). ``directions`` lists the contact tractions in the forms,
     each with its rigid displacement: (Y,) without friction; (X, Y) with; (X,) for the tangential problem uncoupled
-    from the normal one, whose pressure it holds. mu: coefficient of friction.
+    from the normal one, whose pressure it holds. mu: coefficient of friction; elastic: compliance of elastic slip.
 
     terms: residual, Jacobian and forces; points: of the surface; memory, safeguards: None without friction; held: None
     unless uncoupled.
     """
 
-    def __init__(self, body: ElasticBody, height, nitsche: Nitsche, directions: tuple[int, ...], mu: float = 0.0):
-        self.body, self.directions = body, directions
+    def __init__(
+        self,
+        body: ElasticBody,
+        height,
+        nitsche: Nitsche,
+        directions: tuple[int, ...],
+        mu: float = 0.0,
+        elastic: float = 0.0,
+    ):
+        self.body, self.directions, self.elastic = body, directions, elastic
         self.points = SurfacePoints(body)
         self.held = None if Y in directions else HeldPressure(self.points)
         law = self._law(height, nitsche, mu)
@@ -76,6 +84,7 @@ class ContactProblem:
             is_lagged=None if self.held else body.constant(0.0),
             lagged_pressure=None if self.held else points.field("lagged pressure"),
             stretch=None if body.strain is None else contact.stretch(body.strain, ufl.SpatialCoordinate(body.mesh)[0]),
+            elastic=body.constant(self.elastic) if self.elastic else None,
         )
         if self.held is not None:
             return weak_form.tangential_contact(u, t, body.delta, self.held.pressure, parameters, friction)

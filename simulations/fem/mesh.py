@@ -16,6 +16,7 @@ from forms.depth_map import DepthMap
 
 SURFACE, FAR, SYMMETRY, BODY = 1, 2, 3, 4  # physical groups
 APART = 2.0  # facets between edges that can both be placed
+STOP_GROWTH = 1.8  # of columns beside a stop: its facets are few
 STRIP = 1.25  # half-width, over that of the contact, of the strip where contact is looked for
 
 
@@ -24,10 +25,10 @@ class Grading:
     """Cell sizes of the mesh, all relative to the contact half-width ``a``.
 
     edges: positions where pressure or traction end like a root, graded down to ``edge_facet``; sweeps: intervals
-    (from, to, facet length) over which such an edge moves;
+    (from, to, facet length) over which such an edge moves, or places (x, x, facet length) where it stops;
     facet: largest facet under the cylinder; growth, layer_growth: ratio of neighbouring columns, layers;
     first_layer: height of the surface cells; extent: half-width and depth of the domain; edge_at: where in its facet
-    an edge lies, from 0 at the inner end to 1; -1: wherever it falls.
+    an edge or a stop lies, from 0 at the inner end to 1; -1: wherever it falls.
     """
 
     edges: tuple[float, ...]
@@ -45,14 +46,20 @@ class Grading:
         """Contact is looked for on |x| < strip; beyond, the columns may grow without limit."""
         return STRIP * max(map(abs, self.edges))
 
+    @property
+    def stops(self) -> tuple[float, ...]:
+        """Places where a moving edge stops."""
+        return tuple(left for left, right, _ in self.sweeps if left == right)
+
     def facet_size(self, x):
         """Wanted facet length at ``x``."""
-        slope = np.log(self.growth)
+        slope, slope_at_stop = np.log(self.growth), np.log(max(self.growth, STOP_GROWTH))
         to_edge = np.min([np.abs(x - edge) for edge in self.edges], axis=0)
         outside = np.maximum(np.abs(x) - self.strip, 0.0)
         sizes = [self.edge_facet + slope * to_edge, self.facet + slope * outside]
         for left, right, size in self.sweeps:
-            sizes.append(size + slope * np.maximum(np.maximum(left - x, x - right), 0.0))
+            growth = slope_at_stop if left == right else slope
+            sizes.append(size + growth * np.maximum(np.maximum(left - x, x - right), 0.0))
         return np.min(sizes, axis=0)
 
 
@@ -65,7 +72,7 @@ def columns(grading: Grading) -> np.ndarray:
     extent = grading.extent
     clouds = [np.linspace(-extent, extent, 4001), 2 * np.linspace(-grading.strip, grading.strip, 4001)]
     offsets = np.geomspace(1e-2 * grading.edge_facet, 2 * extent, 4000)
-    clouds += [edge + sign * offsets for edge in grading.edges for sign in (-1, 1)]
+    clouds += [edge + sign * offsets for edge in {*grading.edges, *grading.stops} for sign in (-1, 1)]
     clouds += [np.linspace(left, right, 1001) for left, right, _ in grading.sweeps]
     x = np.unique(np.concatenate(clouds))
     x = x[np.abs(x) <= extent]
@@ -74,18 +81,19 @@ def columns(grading: Grading) -> np.ndarray:
     even = 2 * int(np.ceil(count[-1] / 2))
     number = np.linspace(0.0, count[-1], even + 1)
     if grading.edge_at >= 0.0:
-        facets = np.interp(grading.edges, x, count) * (even / count[-1])
-        number = _placed(facets, grading.edge_at, even) * (count[-1] / even)
+        facets = np.interp((*grading.edges, *grading.stops), x, count) * (even / count[-1])
+        number = _placed(facets, len(grading.edges), grading.edge_at, even) * (count[-1] / even)
     return np.interp(number, count, x)
 
 
-def _placed(edges, at: float, columns: int) -> np.ndarray:
+def _placed(edges, first: int, at: float, columns: int) -> np.ndarray:
     """Numbers (columns + 1,) from 0 to ``columns``, stretched so that ``edges`` lie ``at`` between two of them, counted
-    outwards; edges within APART of others stay where they are.
+    outwards; edges within APART of others stay where they are, those after the ``first`` ones for these.
     """
     middle = columns / 2
     kept = [(0.0, 0.0), (middle, middle), (float(columns), float(columns))]  # number of a node, and what becomes of it
-    for edge in sorted(edges, key=lambda edge: -abs(edge - middle)):
+    outer_first = [sorted(part, key=lambda edge: -abs(edge - middle)) for part in (edges[:first], edges[first:])]
+    for edge in sum(outer_first, []):
         side = np.sign(edge - middle)
         place = middle + side * (np.round(abs(edge - middle) - at) + at)
         if all(min(abs(place - a), abs(edge - b)) > APART for a, b in kept):

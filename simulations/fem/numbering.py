@@ -54,34 +54,28 @@ class Numbering:
         local[self._point_index] = whole.ravel()[self._point_place]
 
     @property
-    def vertices(self) -> int:
-        """Number of vertices."""
-        return len(self._s[:: self._degree]) * len(self._x[:: self._degree])
+    def vertices(self) -> tuple[np.ndarray, np.ndarray]:
+        """Columns (c,) and layers (l,) of the mesh."""
+        return self._x[:: self._degree], self._s[:: self._degree]
 
     @property
     def cells(self) -> int:
         """Number of cells."""
-        return (len(self._s) // self._degree) * (len(self._x) // self._degree)
+        x, s = self.vertices
+        return (len(s) - 1) * (len(x) - 1)
 
-    def mesh(self) -> tuple[np.ndarray, np.ndarray]:
-        """Vertices (n, 2) at their physical depth and cells (m, 4), layer by layer."""
-        x, y = self._x[:: self._degree], self.body.depth.y(self._s[:: self._degree])
-        points = np.stack([np.tile(x, len(y)), np.repeat(y, len(x))], axis=1)
-        first = (np.arange(len(y) - 1)[:, None] * len(x) + np.arange(len(x) - 1)).ravel()
-        return points, np.stack([first, first + 1, first + 1 + len(x), first + len(x)], axis=1)
-
-    def at_vertices(self, whole: np.ndarray) -> np.ndarray:
-        """Displacement (n, 2) at the vertices of ``mesh``, from a whole ``state``."""
-        step = slice(None, None, self._degree)
-        return whole[: 2 * self._s.size * self._x.size].reshape(*self.shape, 2)[step, step].reshape(-1, 2)
+    def displacement(self, whole: np.ndarray) -> np.ndarray:
+        """Displacement (rows, columns, 2) at the nodes, from a whole ``state``."""
+        return whole[: 2 * self._s.size * self._x.size].reshape(*self.shape, 2)
 
     def gather_cells(self, local: np.ndarray) -> np.ndarray | None:
-        """Rows (m, ...) of a value a cell, in the order of ``mesh``, on rank 0."""
+        """Rows (m, ...) of a value a cell, layer by layer, on rank 0."""
         topology = self.body.mesh.topology
         count, geometry = topology.index_map(topology.dim).size_local, self.body.mesh.geometry
         x, s, _ = geometry.x[geometry.dofmap[:count]].mean(axis=1).T
-        column, row = np.searchsorted(self._x[:: self._degree], x) - 1, np.searchsorted(self._s[:: self._degree], s) - 1
-        return self._collect(row * (len(self._x) // self._degree) + column, local[:count], self.cells)
+        columns, layers = self.vertices
+        column, row = np.searchsorted(columns, x) - 1, np.searchsorted(layers, s) - 1
+        return self._collect(row * (len(columns) - 1) + column, local[:count], self.cells)
 
     def _add(self, index, place, owned):
         self._places.append((index, place, index < owned))
@@ -93,9 +87,9 @@ class Numbering:
         column = np.searchsorted(self._x[:: self._degree], middle) - 1
         index = space.dofmap.list[cells]
         points = space.tabulate_dof_coordinates()[index]  # (cells, (d + 1)², 3)
-        across = _nearest(self._x, points[..., 0]) - self._degree * column[:, None]
+        across = nearest(self._x, points[..., 0]) - self._degree * column[:, None]
         nodes = self._degree + 1
-        self._point_place = ((column[:, None] * nodes + across) * nodes + _nearest(self._s, points[..., 1])).ravel()
+        self._point_place = ((column[:, None] * nodes + across) * nodes + nearest(self._s, points[..., 1])).ravel()
         self._point_index = index.ravel()
         self._point_owned = self._point_index < space.dofmap.index_map.size_local
 
@@ -116,9 +110,10 @@ def _with_nodes_between(vertices, degree):
 
 def _number(points, x, s):
     """Places of points (n, 3) among the nodes of columns x and layers s."""
-    return _nearest(s, points[:, 1]) * len(x) + _nearest(x, points[:, 0])
+    return nearest(s, points[:, 1]) * len(x) + nearest(x, points[:, 0])
 
 
-def _nearest(grid, values):
+def nearest(grid, values):
+    """Index in the increasing ``grid`` of the entry nearest to each of the ``values``."""
     after = np.clip(np.searchsorted(grid, values), 1, len(grid) - 1)
     return after - (values - grid[after - 1] < grid[after] - values)

@@ -27,11 +27,12 @@ class SurfaceState:
     u: np.ndarray  # (2, n), that of a bulk strain included
     delta: np.ndarray  # (2,)
     neglected: np.ndarray  # (n,) the u_x of the pressure, where coupling is off; 0 otherwise
+    elastic: float = 0.0  # compliance of elastic slip
 
     @property
     def relative_displacement(self) -> np.ndarray:
-        """u_x - delta_x as friction sees it, (n,)."""
-        return self.u[X] - self.neglected - self.delta[X]
+        """u_x - delta_x as friction sees it, less the elastic slip -c q, (n,)."""
+        return self.u[X] - self.neglected - self.delta[X] + self.elastic * self.traction
 
     def line_load(self, values) -> float:
         """Integral of nodal values over the surface."""
@@ -67,6 +68,7 @@ class SurfaceSampler:
             u=np.stack([self._collect(u[:, X], parity=-1), self._collect(u[:, Y])]) + stretching.T,
             delta=self.body.delta.value.copy(),
             neglected=self._collect(neglected, parity=-1),
+            elastic=problem.elastic,
         )
 
     def _collect(self, nodal, parity: int = 1):

@@ -1,5 +1,6 @@
 """The load schedule: every load step with its loads, branch and state name, in order."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -88,3 +89,13 @@ def visiting(start: Load, points: list[Load], steps: int) -> list[LoadStep]:
         schedule[-1] = replace(schedule[-1], state=str(number) if branch == "path" else "")
         start = point
     return schedule
+
+
+def load_parameter(schedule: Sequence[LoadStep]) -> np.ndarray:
+    """Length of the load path up to each step (s,), in the largest P and the largest Q: of a loop 1 at the end of the
+    normal stage, 2 at the first +Q_A, 4 at -Q_A and 6 at +Q_A again.
+    """
+    loads = np.array([(0.0, 0.0), *((step.P, step.Q) for step in schedule)])
+    largest = np.abs(loads).max(axis=0)
+    moves = np.abs(np.diff(loads, axis=0)) / np.where(largest > 0, largest, 1.0)
+    return np.cumsum(moves.sum(axis=1))

@@ -1,15 +1,23 @@
-"""Fields of a finished run at its recorded states, read from its folder. For pictures; no solver needed."""
+"""Fields of a run at its recorded states, read from its folder: arrays for pictures, functions for dolfinx."""
 
-import csv
+from __future__ import annotations
+
+import re
 from dataclasses import dataclass
 from pathlib import Path
 
-import meshio
+import basix
+import basix.ufl
+import dolfinx
+import h5py
 import numpy as np
+import ufl
+from dolfinx import fem
+from mpi4py import MPI
 
+from ..fem.numbering import nearest
 from ..scene import SceneError
-
-FIELD = "von Mises stress [Pa]"
+from .field_index import FOLDER, MESH
 
 
 @dataclass(frozen=True)
@@ -23,44 +31,81 @@ class BodyState:
 
 
 def read_states(folder: Path) -> list[BodyState]:
-    """The states in fields.xdmf, labelled from history.csv; SceneError where the folder holds no run."""
-    path = folder / "fields.xdmf"
-    if not path.is_file() or not (folder / "history.csv").is_file():
-        raise SceneError(f"{folder} holds no results of a run: fields.xdmf and history.csv are needed")
-    with (folder / "history.csv").open(encoding="utf-8") as file:
-        rows = list(csv.DictReader(file))
-    with meshio.xdmf.TimeSeriesReader(path) as reader:
-        points, cells = reader.read_points_cells()
-        place = _Grid(points, cells[0].data)
-        states = []
-        for step in range(reader.num_steps):
-            time, _, at_cells = reader.read_data(step)
-            row = rows[round(time)]
-            label = "pressed" if row["branch"] == "normal" else f"{row['state']}, {row['branch']}"
-            states.append(BodyState(label, place.x, place.y, place.values(at_cells[FIELD][0])))
+    """The states in ``folder``, with their names; SceneError where it holds no run or none of its von Mises stress."""
+    files = _files(folder)
+    with h5py.File(folder / FOLDER / f"{MESH}.h5") as mesh:
+        x, y = ((mesh[name][1:] + mesh[name][:-1]) / 2 for name in ("x", "depth"))
+    states = []
+    for path in files.values():
+        with h5py.File(path) as file:
+            if "von_mises" not in file:
+                raise SceneError(f"{folder} holds no von Mises stress: output.fields left it out")
+            branch = file.attrs["branch"]
+            name = file.attrs["state"] or f"load step {file.attrs['load_step']}"
+            label = "pressed" if branch == "normal" else f"{name}, {branch}"
+            states.append(BodyState(label, x, y, file["von_mises"][...].reshape(len(y), len(x))))
     return states
 
 
-class _Grid:
-    """The tensor-product mesh as rows and columns of cell centres."""
+def body_functions(
+    folder: Path | str, state: str | int = "A", comm: MPI.Comm = MPI.COMM_SELF
+) -> dict[str, fem.Function]:
+    """Fields of a recorded state as dolfinx functions by name, on one mesh in physical coordinates: x along +Q and y
+    upwards [m], the surface at y = 0.
 
-    def __init__(self, points, quads):
-        centres = points[quads][:, :, :2].mean(axis=1)
-        columns, rows = (self._ranks(centres[:, i]) for i in (0, 1))
-        self._order = np.lexsort((columns, rows))
-        self.shape = rows.max() + 1, columns.max() + 1
-        self.x = centres[self._order][: self.shape[1], 0]
-        self.y = centres[self._order][:: self.shape[1], 1]
+    state: "normal", "A" ... (the last of that name), or the number of a load step. ``displacement`` [m] has the degree
+    of the run and is exact at the nodes; the others are constant in each cell. Every rank of ``comm`` calls it. Raises
+    SceneError where the folder has no such state.
+    """
+    folder = Path(folder)
+    with h5py.File(folder / FOLDER / f"{MESH}.h5") as file, h5py.File(_file_of(folder, state)) as values:
+        degree = int(file.attrs["degree"])
+        mesh = _mesh(comm, file)
+        cell = mesh.basix_cell()
+        nodes = basix.ufl.element("Lagrange", cell, degree, basix.LagrangeVariant.equispaced, shape=(2,))
+        space, constants = fem.functionspace(mesh, nodes), fem.functionspace(mesh, ("DG", 0))
+        found = {}
+        for name in values:
+            if not isinstance(values[name], h5py.Dataset):
+                continue  # a group: what belongs to lines
+            function = fem.Function(space if name == "displacement" else constants, name=name)
+            if name == "displacement":
+                points = file["points"][...]
+                x, y = (np.unique(points[:, i]) for i in (0, 1))
+                at = space.tabulate_dof_coordinates()
+                place = nearest(-y[::-1], -at[:, 1]) * len(x) + nearest(x, at[:, 0])
+                function.x.array[:] = values[name][...][place, :2].ravel()
+            else:
+                function.x.array[:] = values[name][...][mesh.topology.original_cell_index]
+            found[name] = function
+    return found
 
-    @staticmethod
-    def _ranks(values):
-        """Index of each value among the distinct ones; values equal to rounding count as one."""
-        size = np.abs(values).max()
-        order = np.argsort(values)
-        steps = np.concatenate([[0], np.cumsum(np.diff(values[order]) > 1e-9 * size)])
-        ranks = np.empty(len(values), dtype=int)
-        ranks[order] = steps
-        return ranks
 
-    def values(self, at_cells):
-        return np.asarray(at_cells)[self._order].reshape(self.shape)
+def _mesh(comm, file):
+    """The mesh of straight cells, distributed: rank 0 gives all of it."""
+    corners, points = file["corners"][...], file["points"][:, :2]
+    used, cells = np.unique(corners, return_inverse=True)
+    cells = cells.reshape(corners.shape)[:, [0, 1, 3, 2]].astype(np.int64)  # dolfinx counts by rows
+    share = slice(None) if comm.rank == 0 else slice(0, 0)
+    element = basix.ufl.element("Lagrange", "quadrilateral", 1, shape=(2,))
+    return dolfinx.mesh.create_mesh(comm, cells[share], points[used][share], ufl.Mesh(element))
+
+
+def _files(folder: Path) -> dict[int, Path]:
+    """The files of the states by load step."""
+    found = {int(p.stem): p for p in (folder / FOLDER).glob("*.h5") if re.fullmatch(r"\d{6,}", p.stem)}
+    if not found or not (folder / FOLDER / f"{MESH}.h5").is_file():
+        raise SceneError(f"{folder} holds no results of a run: {FOLDER}/ with states is needed")
+    return dict(sorted(found.items()))
+
+
+def _file_of(folder: Path, state: str | int) -> Path:
+    files, names = _files(folder), {}
+    for number, path in files.items():
+        with h5py.File(path) as file:
+            names[file.attrs["state"] or str(number)] = path
+    if isinstance(state, int) and state in files:
+        return files[state]
+    if state not in names:
+        raise SceneError(f"{folder} has no fields of state {state!r}: there are {', '.join(names)}")
+    return names[state]

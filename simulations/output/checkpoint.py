@@ -19,13 +19,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .. import __version__
 from ..fem.mesh import Grading
 from ..fem.surface import SurfaceState
 from ..loading.stepping import Outcome
 from ..runs import memory
 from ..scene import Scene, SceneError, one_line, parse
 from ..solvers.newton import NewtonResult
+from ..version import __version__
 from .files import on_disk
 
 if TYPE_CHECKING:

@@ -1,102 +1,120 @@
-"""Displacement and stress inside the body as XDMF, for ParaView and other readers."""
+"""Displacement and stress inside the body: a file a state, with indices for ParaView and other readers, and lines."""
 
 from pathlib import Path
 
 import numpy as np
-import ufl
-from dolfinx import fem
 
-from forms import elasticity
-
+from ..fem.body_sample import BodySample, BodySampler
 from ..fem.numbering import Numbering
-from ..scene.scaling import Scales
-from .files import hdf5, write_text
-
-INDEX, FOLDER = "fields.xdmf", "fields"
-DISPLACEMENT, STRESS, VON_MISES = "displacement [m]", "stress xx, yy, xy [Pa]", "von Mises stress [Pa]"
+from ..loading.schedule import LoadStep, load_parameter
+from ..scene.output import NORMAL, Output
+from ..scene.scaling import Scaled
+from .body_quantities import DOWN_TO_UP, MEANING, UNITS, from_stress
+from .field_index import FOLDER, MESH, FieldIndex, file_name, local_nodes
+from .files import hdf5
+from .lines import Lines
 
 
 class FieldWriter:
-    """fields.xdmf and fields/*.h5 in SI units on the physical mesh: x along the surface, y the depth.
+    """fields/*.h5 with their indices, and lines.csv, of the states and fields that ``output`` asks for; SI units.
 
-    Displacement at the vertices; stress (xx, yy, xy) and von Mises stress of plane strain at cell centres. A file a
-    state, and an index of the states that are whole; the numbering is that of the columns and layers, whatever the
-    ranks. Every rank calls ``write``; rank 0 writes.
+    x along +Q, y upwards. Displacement at the nodes of a mesh of straight cells in physical coordinates, of the degree
+    of the run; stresses as means over cells. A file a state; the numbering is that of the columns and layers, whatever
+    the ranks. Every rank calls ``write``; rank 0 writes.
     """
 
-    def __init__(self, folder: Path, numbering: Numbering, scales: Scales):
-        self.folder, self.numbering, self.scales = folder, numbering, scales
-        self.body, self.comm = numbering.body, numbering.comm
-        self._cells = fem.functionspace(self.body.mesh, ("DG", 0, (4,)))
-        self._stress = fem.Function(self._cells)
-        self._stress_expression = fem.Expression(self._stresses(), self._cells.element.interpolation_points())
-        self._size = numbering.vertices, numbering.cells
+    def __init__(
+        self, folder: Path, numbering: Numbering, scaled: Scaled, schedule: list[LoadStep], output: Output, nu: float
+    ):
+        self.folder, self.scaled, self.schedule, self.nu = folder, scaled, schedule, nu
+        self.names = output.kept
+        self.times = load_parameter(schedule)
+        self._wanted = output.states
+        self._sampler = BodySampler(numbering)
+        nodes = numbering.shape[0] * numbering.shape[1]
+        self._index = FieldIndex(folder, numbering.body.degree, nodes, numbering.cells, self.names)
+        self._lines = Lines(folder, output, self.names)
 
-    def write(self, number: int, numbers: list[int]):
-        """Keep the present state as that of increment ``number``; ``numbers`` are all increments in the index."""
-        self.body.complete()
-        self._stress.interpolate(self._stress_expression)
-        u = self.numbering.gather(self.body.state.x.array)
-        stress = self.numbering.gather_cells(self._stress.x.array.reshape(-1, 4))
-        if u is not None and stress is not None:
-            (self.folder / FOLDER).mkdir(exist_ok=True)
-            mesh = self._path("mesh")
-            if not mesh.exists():
-                points, cells = self.numbering.mesh()
-                self._keep(mesh, {"points": points * self.scales.length, "cells": cells})
-            u = self.numbering.at_vertices(u)
-            if self.body.strain is not None:
-                u = u + self.body.stretching(*self.numbering.mesh()[0][:, :2].T)
-            u = u * self.scales.displacement
-            u = np.column_stack([u, np.zeros(len(u))])  # a vector to ParaView has three components
-            stress *= self.scales.stress
-            state = {"displacement": u, "stress": stress[:, :3], "von_mises": stress[:, 3]}
-            self._keep(self._path(_name(number)), state)
-            write_text(self.folder / INDEX, self._index(numbers))
+    def state(self, number: int) -> str:
+        """Name of the state of a load step; "" where it has none."""
+        step = self.schedule[number]
+        pressing = number + 1 < len(self.schedule) and self.schedule[number + 1].branch == NORMAL
+        return NORMAL if step.branch == NORMAL and not pressing else step.state
 
-    def _path(self, name):
-        return self.folder / FOLDER / f"{name}.h5"
+    def wants(self, number: int) -> bool:
+        """Whether the fields of a load step are kept."""
+        name = self.state(number)
+        return self._wanted == "all" or bool(name) and (self._wanted == "named" or name in self._wanted)
 
-    @staticmethod
-    def _keep(path, data):
+    def write(self, number: int):
+        """Keep the present state as that of load step ``number``."""
+        sample = self._sampler.sample()
+        if sample is None:
+            return
+        (self.folder / FOLDER).mkdir(exist_ok=True)
+        mesh = self.folder / FOLDER / f"{MESH}.h5"
+        nodes = _nodes(sample)
+        if not mesh.exists():
+            self._write_mesh(mesh, sample, *nodes)
+        x, y = (a.ravel() for a in np.meshgrid(*nodes))
+        fields = {"displacement": self._displacement(sample, x, y)}
+        s = (sample.s[:-1] + sample.s[1:]) / 2
+        fields |= self._stresses(sample.mean_stress(), sample.depth.y(s)[:, None])
+        with hdf5(self.folder / FOLDER / file_name(number)) as file:
+            step, scales = self.schedule[number], self.scaled.scales
+            file.attrs["load_step"], file.attrs["state"] = number, self.state(number)
+            file.attrs["branch"], file.attrs["load_parameter"] = step.branch, self.times[number]
+            file.attrs["P"], file.attrs["Q"] = step.P * scales.line_load, step.Q * scales.line_load
+            for name in self.names:
+                values = fields[name]
+                file[name] = values if name == "displacement" else values.ravel()
+                file[name].attrs["unit"], file[name].attrs["meaning"] = UNITS[name], MEANING[name]
+            if self._lines.x.size:
+                self._lines.keep(file, self._along_lines(sample))
+        numbers = [n for n in range(number + 1) if self.wants(n)]
+        self._index.write(numbers, self.times[numbers].tolist())
+
+    def write_lines(self, done: int):
+        """lines.csv, of the states kept so far among ``done`` load steps. On rank 0."""
+        self._lines.write([number for number in range(done) if self.wants(number)])
+
+    def _along_lines(self, sample):
+        length = self.scaled.scales.length
+        x, y = self._lines.x / length, self._lines.y / length
+        found = {"displacement": self._displacement(sample, x, y)}
+        return found | self._stresses(sample.stress_at(x, y), y)
+
+    def _displacement(self, sample, x, y):
+        """(n, 3) [m], as a vector has three components to ParaView."""
+        u = sample.displacement_at(x, y) * self.scaled.scales.displacement
+        return np.column_stack([u[:, 0], -u[:, 1], np.zeros(len(u))])
+
+    def _stresses(self, stress, y):
+        scales = self.scaled.scales
+        with np.errstate(divide="ignore"):  # E is infinite on the surface where k < 0
+            young = np.broadcast_to(self.scaled.modulus.young(y), y.shape) * scales.modulus
+        return from_stress(stress * DOWN_TO_UP * scales.stress, young, self.nu)
+
+    def _write_mesh(self, path, sample, columns, layers):
+        """points (n, 3); cells (m, (d + 1)²) in VTK's order, and their corners (m, 4); x and depth of the vertices."""
+        d, length = sample.degree, self.scaled.scales.length
+        x, y = (a.ravel() for a in np.meshgrid(columns, layers))
+        rows, across = len(sample.s) - 1, len(sample.x) - 1
+        below_left = (d * np.arange(1, rows + 1)[:, None] * len(columns) + d * np.arange(across)).ravel()
+        cells = np.stack([below_left + i - j * len(columns) for i, j in local_nodes(d)], axis=1)
         with hdf5(path) as file:
-            for name, values in data.items():
-                file[name] = values
-
-    def _index(self, numbers):
-        points, cells = self._size
-        mesh = (
-            f'<Topology TopologyType="Quadrilateral" NumberOfElements="{cells}">'
-            f"{_item('mesh', 'cells', (cells, 4), 'Int')}</Topology>"
-            f'<Geometry GeometryType="XY">{_item("mesh", "points", (points, 2))}</Geometry>'
-        )
-        grids = []
-        for number in numbers:
-            name = _name(number)
-            grids.append(
-                f'<Grid Name="{name}" GridType="Uniform"><Time Value="{number}"/>{mesh}'
-                + _attribute(DISPLACEMENT, "Vector", "Node", _item(name, "displacement", (points, 3)))
-                + _attribute(STRESS, "Vector", "Cell", _item(name, "stress", (cells, 3)))
-                + _attribute(VON_MISES, "Scalar", "Cell", _item(name, "von_mises", (cells,)))
-                + "</Grid>"
-            )
-        series = '<Grid Name="states" GridType="Collection" CollectionType="Temporal">'
-        return "\n".join(['<Xdmf Version="3.0"><Domain>', series, *grids, "</Grid>", "</Domain></Xdmf>", ""])
-
-    def _stresses(self):
-        body, sigma = self.body, self.body.stress()
-        return ufl.as_vector([sigma[0, 0], sigma[1, 1], sigma[0, 1], elasticity.von_mises(sigma, body.nu)])
+            file.attrs["degree"] = d
+            file["points"] = np.column_stack([x, 0.0 - y, np.zeros(len(x))]) * length
+            file["cells"], file["connectivity"], file["corners"] = cells, cells.ravel(), cells[:, :4]
+            file["x"], file["depth"] = sample.x * length, sample.depth.y(sample.s) * length
 
 
-def _name(number):
-    return f"{number:06d}"
+def _nodes(sample: BodySample):
+    """Columns and depths of nodes at equal distances in the straight cells of the physical mesh."""
 
+    def with_nodes(vertices):
+        shares = np.arange(sample.degree) / sample.degree
+        inner = vertices[:-1, None] + shares * np.diff(vertices)[:, None]
+        return np.append(inner.ravel(), vertices[-1])
 
-def _attribute(name, kind, centre, item):
-    return f'<Attribute Name="{name}" AttributeType="{kind}" Center="{centre}">{item}</Attribute>'
-
-
-def _item(file, data, shape, kind="Float"):
-    size = " ".join(map(str, shape))
-    place = f"{FOLDER}/{file}.h5:/{data}"
-    return f'<DataItem DataType="{kind}" Precision="8" Dimensions="{size}" Format="HDF">{place}</DataItem>'
+    return with_nodes(sample.x), with_nodes(sample.depth.y(sample.s))

@@ -5,7 +5,7 @@ import io
 import json
 import os
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -15,23 +15,21 @@ import numpy as np
 from ..runs.history import Entry, History
 from ..scene.scaling import Scales
 
-UNITS = {
-    "x": "m",
-    "weight": "m",
-    "pressure": "Pa",
-    "traction": "Pa",
-    "slip": "m",
-    "P": "N/m",
-    "Q": "N/m",
-}
-MEANING = {
-    "x": "position along the surface",
-    "weight": "length of surface that belongs to a node: sum(weight * pressure) = P",
-    "pressure": "contact pressure",
-    "traction": "tangential traction on the half-plane, positive along +Q",
-    "slip": "u_x - delta_x since tangential loading began",
-    "P": "normal line load, as prescribed",
-    "Q": "tangential line load, as prescribed",
+QUANTITIES = {  # of surface.h5: unit and meaning
+    "x": ("m", "position along the surface"),
+    "weight": ("m", "length of surface that belongs to a node: sum(weight * pressure) = P_carried"),
+    "load_parameter": ("–", "length of the load path so far, in the largest P and the largest Q"),
+    "pressure": ("Pa", "contact pressure"),
+    "gap": ("m", "distance between surface and indenter along the normal, f(x) + u_y - delta_y"),
+    "traction": ("Pa", "tangential traction on the half-plane, positive along +Q"),
+    "slip": ("m", "u_x - delta_x since tangential loading began"),
+    "contact_state": ("–", "0 separated, 1 stick (without friction: in contact), 2 slip"),
+    "frictional_work": ("J/m²", "energy dissipated per area of surface since the start"),
+    "frictional_work_of_cycle": ("J/m²", "w, equation (51): the same of the last full cycle, or since the start"),
+    "P_prescribed": ("N/m", "normal line load, as prescribed"),
+    "P_carried": ("N/m", "normal line load that the pressure carries"),
+    "Q_prescribed": ("N/m", "tangential line load, as prescribed"),
+    "Q_carried": ("N/m", "tangential line load that the traction carries"),
 }
 
 
@@ -84,20 +82,33 @@ def write_table(path: Path, rows: list[dict], left_out: tuple[str, ...] = ()):
     write_text(path, table.getvalue())
 
 
-def write_history(path: Path, history: History, scales: Scales):
-    """history.csv, a row an increment."""
-    write_table(path, [_row(entry, scales, history.friction) for entry in [*history.entries]])
+def write_history(path: Path, history: History, scales: Scales, times: np.ndarray):
+    """history.csv, a row an increment; times: load parameters (s,)."""
+    write_table(path, [_row(e, t, scales, history.friction) for e, t in zip([*history.entries], times)])
 
 
-def _row(entry: Entry, scales: Scales, friction: bool) -> dict:
+def _row(entry: Entry, time: float, scales: Scales, friction: bool) -> dict:
     """One row by column name; without friction the columns of the tangential problem are absent."""
-    increment = entry.increment
+    increment, length = entry.increment, scales.length
     delta_x, delta_y = entry.surface.delta * scales.displacement
-    normal = {"P[N/m]": increment.P * scales.line_load, "delta_y[m]": delta_y, "a[m]": entry.a * scales.length}
+    P, Q = entry.carried
+    normal = {
+        "load_parameter": time,
+        "P_prescribed[N/m]": increment.P * scales.line_load,
+        "P_carried[N/m]": P * scales.line_load,
+        "delta_y[m]": delta_y,
+        "a[m]": entry.a * length,
+        "contact_left[m]": entry.contact[0] * length,
+        "contact_right[m]": entry.contact[1] * length,
+        "peak_pressure[Pa]": entry.peak_pressure * scales.stress,
+    }
     tangential = {
-        "Q[N/m]": increment.Q * scales.line_load,
+        "Q_prescribed[N/m]": increment.Q * scales.line_load,
+        "Q_carried[N/m]": Q * scales.line_load,
         "delta_x[m]": delta_x,
-        "c[m]": entry.c * scales.length,
+        "c[m]": entry.c * length,
+        "stick_left[m]": entry.stick[0] * length,
+        "stick_right[m]": entry.stick[1] * length,
         "dissipated_energy[J/m]": entry.dissipated * scales.energy,
     }
     quantities = normal | (tangential if friction else {})
@@ -110,30 +121,40 @@ def _row(entry: Entry, scales: Scales, friction: bool) -> dict:
     )
 
 
-def write_surface(path: Path, history: History, scales: Scales):
-    """surface.h5: x (n,), weight (n,); pressure, traction, slip (s, n); P, Q (s,); SI units as attributes.
+def write_surface(path: Path, history: History, scales: Scales, times: np.ndarray, height: Callable):
+    """surface.h5: the QUANTITIES, of nodes (n,), states (s,) or both (s, n); SI units as attributes.
 
-    Without friction traction, slip and Q are absent.
+    times: load parameters (s,); height: the indenter's f(x), dimensionless. Without friction what belongs to the
+    tangential problem is absent.
     """
     entries = [*history.entries]
+    surfaces = [e.surface for e in entries]
+    profile, loads = height(surfaces[0].x), np.array([e.carried for e in entries]) * scales.line_load
     data = {
-        "x": entries[0].surface.x * scales.length,
-        "weight": entries[0].surface.weight * scales.length,
-        "pressure": np.stack([e.surface.pressure for e in entries]) * scales.stress,
-        "traction": np.stack([e.surface.traction for e in entries]) * scales.stress,
-        "slip": np.stack([e.slip for e in entries]) * scales.displacement,
-        "P": np.array([e.increment.P for e in entries]) * scales.line_load,
-        "Q": np.array([e.increment.Q for e in entries]) * scales.line_load,
+        "x": surfaces[0].x * scales.length,
+        "weight": surfaces[0].weight * scales.length,
+        "load_parameter": times[: len(entries)],
+        "pressure": np.stack([s.pressure for s in surfaces]) * scales.stress,
+        "gap": np.stack([profile + s.u[1] - s.delta[1] for s in surfaces]) * scales.displacement,
+        "contact_state": np.stack([history.contact_states(e) for e in entries]).astype(np.uint8),
+        "P_prescribed": np.array([e.increment.P for e in entries]) * scales.line_load,
+        "P_carried": loads[:, 0],
     }
-    if not history.friction:
-        data = {name: data[name] for name in ("x", "weight", "pressure", "P")}
+    if history.friction:
+        data |= {
+            "traction": np.stack([s.traction for s in surfaces]) * scales.stress,
+            "slip": np.stack([e.slip for e in entries]) * scales.displacement,
+            "frictional_work": np.stack([e.work for e in entries]) * scales.energy / scales.length,
+            "frictional_work_of_cycle": history.work * scales.energy / scales.length,
+            "Q_prescribed": np.array([e.increment.Q for e in entries]) * scales.line_load,
+            "Q_carried": loads[:, 1],
+        }
     with hdf5(path) as file:
-        for name, values in data.items():
-            dataset = file.create_dataset(name, data=values)
-            dataset.attrs["unit"] = UNITS[name]
-            dataset.attrs["meaning"] = MEANING[name]
-        file.create_dataset("branch", data=[e.increment.branch for e in entries])
-        file.create_dataset("state", data=[e.increment.state for e in entries])
+        for name, (unit, meaning) in QUANTITIES.items():
+            if name in data:
+                file[name] = data[name]
+                file[name].attrs["unit"], file[name].attrs["meaning"] = unit, meaning
+        file["branch"], file["state"] = [e.increment.branch for e in entries], [e.increment.state for e in entries]
 
 
 def write_summary(path: Path, summary: dict):

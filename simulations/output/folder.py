@@ -18,25 +18,26 @@ import gmsh
 import numpy as np
 from petsc4py import PETSc
 
-from .. import __version__
 from ..fem.parallel import on_root
 from ..scene import Scene, SceneError, shown
-from . import checkpoint, fields
+from ..version import __version__
+from . import checkpoint, field_index, lines
 from .checkpoint import SCENE
 from .files import OutputError, write_text
 from .lock import Lock
 
 MOVED = Path("/opt/stack/moved.txt")  # of the image: packages whose recorded version the archive no longer had
-FILES = (SCENE, "history.csv", "surface.h5", fields.INDEX, "summary.json", "fretting.png")
-OTHERS = ("report.html",)  # made of the files of a run by other commands
-FOLDERS = (checkpoint.FOLDER, fields.FOLDER)
+FILES = (SCENE, "history.csv", "surface.h5", field_index.XDMF, field_index.VTKHDF, "summary.json", "fretting.png")
+OTHERS = (lines.NAME, "report.html")  # where they are asked for
+FOLDERS = (checkpoint.FOLDER, field_index.FOLDER)
 PROBE = 1 << 18  # bytes that have to fit into the folder before a run begins
 HEADER, CHECKSUM = "# graded-fretting ", "# checksum "  # lines of a scene.toml that a run wrote
 
 
-def files() -> tuple[str, ...]:
+def files(folder: Path) -> tuple[str, ...]:
     """What a finished run has written."""
-    return (*FILES, f"{fields.FOLDER}/")
+    asked_for = [lines.NAME] if (folder / lines.NAME).exists() else []
+    return (*FILES, *asked_for, f"{field_index.FOLDER}/")
 
 
 def versions() -> dict[str, str]:
@@ -132,9 +133,10 @@ class _Claim:
         try:
             if not resume:
                 _refuse(folder, scene_file, overwrite)
+            own = (*FILES, lines.NAME, "memory.npz")
             for path in (folder, *(folder / name for name in FOLDERS)):
                 for partial in path.glob("part.*"):
-                    if partial.name.removeprefix("part.") in (*FILES, "memory.npz") or path.name == fields.FOLDER:
+                    if partial.name.removeprefix("part.") in own or path.name == field_index.FOLDER:
                         partial.unlink()
         except BaseException:
             self.release()
@@ -154,7 +156,7 @@ def _remove_empty(folders):
 def _refuse(folder: Path, scene_file: Path | None, overwrite: bool):
     """SceneError where a run in ``folder`` would replace something that it must not."""
     names = [name for name in (*FILES, *OTHERS, checkpoint.FOLDER) if (folder / name).exists()]
-    names += [fields.FOLDER + "/"] if any(True for _ in _state_files(folder)) else []
+    names += [field_index.FOLDER + "/"] if any(True for _ in _state_files(folder)) else []
     if not names:
         return
     start = f"--output {shown(folder)} is not allowed: "
@@ -172,7 +174,7 @@ def _refuse(folder: Path, scene_file: Path | None, overwrite: bool):
 
 
 def _state_files(folder):
-    return (p for p in (folder / fields.FOLDER).glob("*.h5") if re.fullmatch(r"\d{6,}|mesh", p.stem))
+    return (p for p in (folder / field_index.FOLDER).glob("*.h5") if re.fullmatch(r"\d{6,}|mesh", p.stem))
 
 
 def _is_of_a_run(path: Path) -> bool:

@@ -1,4 +1,4 @@
-"""One picture of a run: pressure, traction and the friction loop, computed points on closed-form lines."""
+"""One picture of a run: pressure, traction, slip, frictional work and the friction loop, points on reference lines."""
 
 from pathlib import Path
 
@@ -10,32 +10,54 @@ from ..runs.reference import Reference
 from ..runs.simulation import Simulation
 from ..runs.springs import Springs
 from .files import on_disk
-from .style import COLOURS
+from .style import COLOURS, GREY, MARKERS
 
 STYLES = ("-", "--")
 DOTS = 45  # computed points shown a curve
 MOST_STATES = 5
+REACH = 1.15  # drawn part of the surface, in contact half-widths
+LOOKS = {"font.size": 10, "axes.grid": True, "grid.alpha": 0.3, "legend.fontsize": 9, "legend.frameon": False}
+WORST = {"marker": "o", "ms": 9, "mfc": "none", "mec": "k", "mew": 1.0, "ls": "none"}  # a ring around the worst node
 
 
 def plot_run(path: Path, title: str, simulation: Simulation, lines: dict[str, Reference]):
-    """PNG of the last state's pressure and, with friction, the named states of the last cycle and the loop.
+    """PNG of the last state's pressure and, with friction, of traction and slip of the named states of the last cycle,
+    of the frictional work w, and of the loop.
 
-    lines: what the computed points are laid on, by label.
+    lines: what the computed points are laid on, by label; the node farthest from the first is always among the points.
     """
     history = simulation.history
-    panels = 3 if history.friction else 1
-    with plt.rc_context({"font.size": 10, "axes.grid": True, "grid.alpha": 0.3, "legend.fontsize": 9}):
-        figure, axes = plt.subplots(1, panels, figsize=(4.7 * panels, 4.6), layout="constrained", squeeze=False)
-        figure.suptitle(title, wrap=True, parse_math=False)
-        _pressure(axes[0, 0], history.entries[-1], lines)
+    columns, rows = (3, 2) if history.friction else (1, 1)
+    with plt.rc_context(LOOKS):
+        size = (4.7 * columns, 3.8 * rows + 1.5)
+        figure, axes = plt.subplots(rows, columns, figsize=size, squeeze=False)
+        space = {"top": 1 - 0.9 / size[1], "bottom": 1.3 / size[1], "left": 0.7 / size[0], "right": 1 - 0.2 / size[0]}
+        figure.subplots_adjust(**space, hspace=0.36, wspace=0.24)
+        figure.suptitle(f"{title}\n{_loads(simulation)}", wrap=True, parse_math=False, fontsize=11)
+        _pressure(axes[0, 0], simulation, lines)
         if history.friction:
-            _traction(axes[0, 1], history, simulation.mu, lines)
-            _loop(axes[0, 2], simulation, lines)
+            _traction(axes[0, 1], simulation, lines)
+            _slip(axes[0, 2], simulation, lines)
+            _work(axes[1, 0], simulation, lines)
+            _loop(axes[1, 1], axes[1, 2], simulation, lines)
+        _legend(figure, simulation, lines)
         try:
             with on_disk(path) as partial:
-                figure.savefig(partial, dpi=160)
+                figure.savefig(partial, dpi=130)
         finally:
             plt.close(figure)
+
+
+def _loads(simulation):
+    """Parameters and loads in words."""
+    scene, load = simulation.scene, simulation.scene.load
+    values = [f"k = {scene.k:g}".replace("-", "−"), f"ν = {scene.solid.nu:.4g}", f"P = {scene.P:.4g} N/m"]
+    if scene.friction:
+        largest = max(abs(step.Q) for step in simulation.schedule)
+        values += [f"μ = {scene.mu:g}", f"largest |Q| = {largest / scene.mu:.3g} μP"]
+    if scene.is_path:
+        values += [f"{len(load.points)} points of (P, Q)"]
+    return ",  ".join(values)
 
 
 def _states(history: History) -> list[Entry]:
@@ -44,58 +66,141 @@ def _states(history: History) -> list[Entry]:
     return sorted(named.values(), key=lambda entry: entry.increment.state)[:MOST_STATES]
 
 
-def _pressure(axis, entry, lines):
-    x = np.linspace(-1.15, 1.15, 601) * entry.a
-    for (label, line), style in zip(lines.items(), STYLES):
-        axis.plot(x, line.pressure(entry, x), style, color="0.35", label=label)
-    shown = _thinned(entry.surface.x / entry.a)
-    axis.plot(
-        entry.surface.x[shown], entry.surface.pressure[shown], "o", ms=3.5, color=COLOURS[0], label="finite elements"
-    )
-    axis.set(xlabel="position x/a [–]", ylabel="pressure p a/P [–]", title="Pressure")
-    axis.legend(loc="lower center")
+def _in_si(value, unit):
+    """What 1 on a scaled axis is, with a prefix that keeps the number short."""
+    prefixes = {1e9: "G", 1e6: "M", 1e3: "k", 1.0: "", 1e-3: "m", 1e-6: "µ", 1e-9: "n"}
+    factor = next((f for f in prefixes if value >= f), 1e-9)
+    return f"1 = {value / factor:.3g} {prefixes[factor]}{unit}"
 
 
-def _traction(axis, history, mu, lines):
-    for entry, colour in zip(_states(history), COLOURS):
-        x, surface, increment = np.linspace(-1.15, 1.15, 1201) * entry.a, entry.surface, entry.increment
+def _position(simulation, entry):
+    return f"position x/a [–]  ({_in_si(entry.a * simulation.scaled.scales.length, 'm')})"
+
+
+def _slip_unit(simulation):
+    """mu alpha f(a), dimensionless: the slip (36) of a contact that slides all over, and its name."""
+    scaled = simulation.scaled
+    return simulation.mu * scaled.solid.alpha * float(scaled.indenter.height(1.0))
+
+
+def _curves(axis, entry, values, lines, colour, marker="o"):
+    """Nodal ``values`` as points on reference ``lines`` (functions of x, None for one that is not known): a share of
+    the nodes, and the one that is farthest from the first line.
+    """
+    surface = entry.surface
+    x = np.linspace(-REACH, REACH, 1201) * entry.a
+    for line, style in zip(lines, STYLES):
+        if line:
+            axis.plot(x / entry.a, line(x), style, color=colour, lw=1)
+    shown = _thinned(surface.x / entry.a)
+    axis.plot(surface.x[shown] / entry.a, values[shown], marker, ms=3, color=colour)
+    if lines and lines[0]:
+        inside = np.abs(surface.x) < REACH * entry.a
+        deviation = np.where(inside, np.abs(values - lines[0](surface.x)), -1.0)
+        worst = int(np.nanargmax(deviation))
+        axis.plot(surface.x[worst] / entry.a, values[worst], marker, ms=3, color=colour)
+        axis.plot(surface.x[worst] / entry.a, values[worst], **WORST)
+    axis.set_xlim(-1.1 * REACH, 1.1 * REACH)
+
+
+def _pressure(axis, simulation, lines):
+    entry = simulation.history.entries[-1]
+    references = [lambda x, line=line: line.pressure(entry, x) for line in lines.values()]
+    _curves(axis, entry, entry.surface.pressure, references, COLOURS[0])
+    unit = _in_si(simulation.scaled.scales.stress, "Pa")
+    axis.set(xlabel=_position(simulation, entry), ylabel=f"pressure p a/P [–]  ({unit})", title="Pressure, last state")
+
+
+def _traction(axis, simulation, lines):
+    history, mu = simulation.history, simulation.mu
+    for entry, colour, marker in zip(_states(history), COLOURS, MARKERS):
+        references = [lambda x, line=line, e=entry: line.traction(e, x) / mu for line in lines.values()]
+        _curves(axis, entry, entry.surface.traction / mu, references, colour, marker)
+    unit = _in_si(mu * simulation.scaled.scales.stress, "Pa")
+    axis.set(xlabel=_position(simulation, history.entries[-1]), ylabel=f"traction q a/(μP) [–]  ({unit})")
+    axis.set_title("Traction on the half-plane")
+
+
+def _slip(axis, simulation, lines):
+    history, unit = simulation.history, _slip_unit(simulation)
+    for entry, colour, marker in zip(_states(history), COLOURS, MARKERS):
+
+        def inside(x, values, entry=entry):  # of the contact: outside there is no slip
+            return np.where((x >= entry.contact[0]) & (x <= entry.contact[1]), values / unit, np.nan)
+
+        references = [lambda x, line=line, e=entry, f=inside: f(x, line.slip(e, x)) for line in lines.values()]
+        _curves(axis, entry, inside(entry.surface.x, entry.slip), references, colour, marker)
+    size = _in_si(unit * simulation.scaled.scales.displacement, "m")
+    axis.set(xlabel=_position(simulation, history.entries[-1]), title="Slip since tangential loading began")
+    axis.set_ylabel(f"slip $(u_x - \\delta_x)/(\\mu\\alpha f(a))$ [–]  ({size})")
+
+
+def _work(axis, simulation, lines):
+    history, scales, mu = simulation.history, simulation.scaled.scales, simulation.mu
+    unit, entry = mu * _slip_unit(simulation), history.entries[-1]
+
+    def closed(x):
+        return simulation.loop.energy_density(x) / unit
+
+    is_known = simulation.loop and history.has_cycle  # and only the closed forms have it
+    references = [closed if is_known and isinstance(line, Springs) else None for line in lines.values()]
+    _curves(axis, entry, history.work / unit, references, COLOURS[2])
+    size = _in_si(unit * scales.energy / scales.length, "J/m²")
+    when = "last cycle" if history.has_cycle else "all load steps"
+    energy = history.dissipated_energy * scales.energy
+    axis.set(xlabel=_position(simulation, entry), title=f"Frictional work, {when}: ΔW = {energy:.4g} J/m")
+    axis.set_ylabel(f"density $w\\,a/(\\mu P\\,\\mu\\alpha f(a))$ [–]  ({size})")
+
+
+def _loop(axis, beside, simulation, lines):
+    """The friction loop, and how far each point is from the straight line between its ends: the hysteresis."""
+    history, mu, unit = simulation.history, simulation.mu, _slip_unit(simulation)
+    start = [e for e in history.entries if e.increment.branch == "normal"][-1]
+    states = [start, *(e for e in history.entries if e.increment.branch != "normal")]
+    shift = np.array([e.surface.delta[0] - start.surface.delta[0] for e in states]) / unit
+    Q = np.array([e.increment.Q for e in states]) / mu
+    low, high = np.argmin(Q), len(Q) - 1 - np.argmax(Q[::-1])
+    slope = (shift[high] - shift[low]) / (Q[high] - Q[low]) if Q[high] > Q[low] else 0.0
+
+    if simulation.loop and simulation.scene.k > 0:  # elsewhere no closed form has a shift
         for line, style in zip(lines.values(), STYLES):
-            axis.plot(x, line.traction(entry, x) / mu, style, color=colour, lw=1)
-        shown = _thinned(surface.x / entry.a)
-        label = rf"{increment.state}: $Q = {increment.Q / (mu * increment.P):+.2f}\,\mu P$"
-        axis.plot(surface.x[shown], surface.traction[shown] / mu, "o", ms=3, color=colour, label=label)
-    for label, style in zip(lines, STYLES):
-        axis.plot([], [], style, color="0.35", lw=1, label=label)
-    low, high = axis.get_ylim()
-    top = high + 0.45 * (high - low)  # room for the legend
-    axis.set(xlabel="position x/a [–]", ylabel="traction q a/(μ P) [–]", title="Traction", ylim=(low, top))
-    axis.legend(loc="upper center", ncols=2)
+            if isinstance(line, Springs):
+                _closed_loop(axis, beside, simulation.loop, unit, style, history.has_cycle)
+    axis.plot(shift, Q, "o-", ms=4, lw=0.5, color=COLOURS[4])
+    beside.plot(Q, shift - shift[low] - slope * (Q - Q[low]), "o-", ms=4, lw=0.5, color=COLOURS[4])
+    size = _in_si(unit * simulation.scaled.scales.displacement, "m")
+    load = _in_si(mu * simulation.scaled.scales.line_load, "N/m")
+    name = "\\delta_x/(\\mu\\alpha f(a))"
+    axis.set(xlabel=f"rigid shift ${name}$ [–]  ({size})", ylabel=f"tangential load Q/(μP) [–]  ({load})")
+    axis.set_title("Friction loop")
+    beside.set(xlabel="tangential load Q/(μP) [–]", ylabel=f"${name}$ − straight line [–]  ({size})")
+    beside.set_title("The same, less the line between its ends")
 
 
-def _loop(axis, simulation, lines):
-    history, mu, scaled = simulation.history, simulation.mu, simulation.scaled
-    unit = mu * scaled.solid.alpha * float(scaled.indenter.height(1.0))
-    for (label, line), style in zip(lines.items(), STYLES):
-        if isinstance(line, Springs) and simulation.loop and simulation.scene.k > 0:
-            _closed_loop(axis, simulation.loop, unit, style, label)
-    moving = [e for e in history.entries if e.increment.branch != "normal"]
-    start = [e for e in history.entries if e.increment.branch == "normal"][-1].surface.delta[0]
-    delta = np.array([e.surface.delta[0] - start for e in moving])
-    Q = np.array([e.increment.Q for e in moving])
-    axis.plot(delta / unit, Q / mu, "o", ms=4, color=COLOURS[4], label="finite elements")
-    axis.set(
-        xlabel=r"rigid shift $\delta_x\,/\,(\mu\alpha f(a))$ [–]",
-        ylabel=r"tangential load $Q/(\mu P)$ [–]",
-        title="Friction loop",
-    )
-    axis.legend(loc="upper left")
-
-
-def _closed_loop(axis, loop, unit, style, label):
-    for branch in ("initial", "unloading", "reloading"):
+def _closed_loop(axis, beside, loop, unit, style, is_cycle):
+    branches = ("initial", "unloading", "reloading") if is_cycle else ("initial",)
+    end = float(loop.rigid_shift(loop.Q_A, "initial")) / unit
+    for branch in branches:
         Q = np.linspace(0.0 if branch == "initial" else -loop.Q_A, loop.Q_A, 201)
-        shift = np.array([loop.rigid_shift(q, branch) for q in Q])
-        axis.plot(shift / unit, Q / loop.mu, style, color="0.35", lw=1, label=label if branch == "initial" else None)
+        shift = np.array([loop.rigid_shift(q, branch) for q in Q]) / unit
+        axis.plot(shift, Q / loop.mu, style, color=GREY, lw=1)
+        beside.plot(Q / loop.mu, shift - end * Q / loop.Q_A, style, color=GREY, lw=1)
+
+
+def _legend(figure, simulation, lines):
+    """One for all panels, below them."""
+    history, mu, handles = simulation.history, simulation.mu, []
+    if history.friction:
+        for entry, colour, marker in zip(_states(history), COLOURS, MARKERS):
+            step = entry.increment
+            label = rf"{step.state}: $Q = {step.Q / (mu * step.P):+.2f}\,\mu P$"
+            handles.append(plt.Line2D([], [], marker=marker, ms=4, ls="none", color=colour, label=label))
+    handles += [plt.Line2D([], [], marker="o", ms=4, ls="none", color=GREY, label="finite elements")]
+    handles += [plt.Line2D([], [], ls=s, color=GREY, lw=1, label=label) for label, s in zip(lines, STYLES)]
+    if lines:
+        handles += [plt.Line2D([], [], **WORST, label=f"node farthest from the {next(iter(lines))}")]
+    note = r"$f(a)$: height of the indenter at $x = a$;  $\alpha$: equation (37)" if history.friction else ""
+    figure.legend(handles=handles, loc="lower center", ncols=5 if history.friction else 2, title=note, title_fontsize=9)
 
 
 def _thinned(x):

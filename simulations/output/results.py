@@ -37,7 +37,10 @@ class Results:
         self.summary: dict = {}
         self.findings: report_data.Findings | None = None
         self.failing = ""
-        self._fields = FieldWriter(folder, simulation.numbering, self.scales)
+        scene = simulation.scene
+        self._fields = FieldWriter(
+            folder, simulation.numbering, simulation.scaled, simulation.schedule, scene.output, scene.solid.nu
+        )
         self._checkpoint = Checkpoint(folder, simulation)
         self._written = time.monotonic()
 
@@ -48,9 +51,8 @@ class Results:
         """Keep a state: its fields if it matters, the memory to go on from it, and now and then the tables."""
         last = len(self.simulation.history.entries) - 1
         with self.simulation.watch("output"):
-            if self._matters(last):
-                kept = [number for number in range(last + 1) if self._matters(number)]
-                self._everywhere(lambda: self._fields.write(last, kept))
+            if self._fields.wants(last):
+                self._everywhere(lambda: self._fields.write(last))
             self._everywhere(lambda: self._checkpoint.save(entry))
             if self.comm.rank == 0 and time.monotonic() - self._written > EVERY:
                 with suppress(OSError):  # the next ones, or the last, will do
@@ -73,13 +75,6 @@ class Results:
         assert self.findings is not None  # after the end
         return table(self.findings, self.simulation.history.has_cycle)
 
-    def _matters(self, number):
-        """True for the end of the normal stage and the states A ... E or 1, 2, ..., whose fields are kept."""
-        schedule = self.simulation.schedule
-        normal = schedule[number].branch == "normal"
-        pressing = number + 1 < len(schedule) and schedule[number + 1].branch == "normal"
-        return bool(schedule[number].state) or (normal and not pressing)
-
     def _everywhere(self, write: Callable[[], None]):
         """``write``, in which rank 0 may fail: OutputError on every rank."""
         failure = None
@@ -94,8 +89,10 @@ class Results:
 
     def _write_tables(self):
         history = self.simulation.history
-        output.write_history(self.folder / "history.csv", history, self.scales)
-        output.write_surface(self.folder / "surface.h5", history, self.scales)
+        times, height = self._fields.times, self.simulation.scaled.indenter.height
+        output.write_history(self.folder / "history.csv", history, self.scales, times)
+        output.write_surface(self.folder / "surface.h5", history, self.scales, times, height)
+        self._fields.write_lines(len(history.entries))
         self._written = time.monotonic()
 
     def __exit__(self, kind, error, trace):
@@ -121,12 +118,8 @@ class Results:
             checkpoint.remove(self.folder)
 
     def _plot(self):
-        scene, findings = self.simulation.scene, self.findings
-        values = [f"k = {scene.k:g}", f"ν = {scene.solid.nu:.4g}"]
-        if scene.friction:
-            values.append(f"μ = {scene.load.mu:g}")
-        title = f"{scene.title}  ({', '.join(values)})".strip()
+        findings = self.findings
         lines = {findings.exact.other.name: findings.exact.other} if findings.exact else {}
         if findings.neglecting:
             lines[f"closed form (no {', no '.join(findings.neglecting.without)})"] = findings.neglecting.other
-        plot_run(self.folder / "fretting.png", title, self.simulation, lines)
+        plot_run(self.folder / "fretting.png", self.simulation.scene.title, self.simulation, lines)

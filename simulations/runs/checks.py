@@ -4,7 +4,7 @@ Each check is a number and the limit that it must not pass. Ordinary runs have t
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -26,10 +26,11 @@ class ChecksWarning(UserWarning):
 
 @dataclass(frozen=True)
 class Check:
-    """A number that is to stay at or below its limit."""
+    """A number that is to stay at or below its limit; cause: of it where it does not, as far as it is known."""
 
     value: float
     limit: float
+    cause: str = ""
 
     @property
     def holds(self) -> bool:
@@ -37,10 +38,13 @@ class Check:
         return bool(self.value <= self.limit)
 
 
-def check(history: History, height: Callable, coupled: bool = True) -> dict[str, Check]:
+def check(
+    history: History, height: Callable, coupled: bool = True, cause: Callable[[], str] | None = None
+) -> dict[str, Check]:
     """Checks of a run that ended. height: the indenter's f(x), in the history's units.
 
     coupled: False where the traction does not move the surface up and down: the gap is that of the normal stage.
+    cause: tells why tractions wiggle; it is asked only where they do.
     """
     entries = history.entries
     with_gap = [entry for entry in entries if coupled or entry.increment.branch == "normal"]
@@ -68,6 +72,9 @@ def check(history: History, height: Callable, coupled: bool = True) -> dict[str,
                 WIGGLES,
             ),
         }
+    wiggling = [name for name in checks if name.endswith("wiggles") and not checks[name].holds]
+    if wiggling and cause:
+        checks[wiggling[-1]] = replace(checks[wiggling[-1]], cause=cause())
     return checks
 
 
@@ -79,7 +86,8 @@ def hold(checks: dict[str, Check]) -> bool:
 def describe(checks: dict[str, Check]) -> str:
     """One line: that all hold, or which do not."""
     failing = [f"{name} ({c.value:.1e}, limit {c.limit:.0e})" for name, c in checks.items() if not c.holds]
-    return f"checks that fail: {', '.join(failing)}" if failing else f"all {len(checks)} checks hold"
+    causes = "".join(f"; {c.cause}" for c in checks.values() if c.cause)
+    return f"checks that fail: {', '.join(failing)}{causes}" if failing else f"all {len(checks)} checks hold"
 
 
 def imbalance(surface: SurfaceState, entry: Entry) -> float:

@@ -1,6 +1,7 @@
 """Where contact and stick zone will end, before anything is solved: what the mesh is graded to."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -14,8 +15,11 @@ from .limits import NARROWEST, expected_error, size_for
 
 NODES = 80  # of the half-plane solver: edges to a few 1e-3 of the half-width
 APART = 0.005  # edges closer than this (over the half-width) are one
+FACETS = 3  # from a stop to the next, so that both can be placed in theirs
+SAMPLES = 200  # of q, for its norm
 MOST = 30  # edges on either side
 FINER_WITH_STRAIN = 4.0  # facets on the ways of the edges of stick: traction to 2e-3 at every state for k >= 0
+STOP = 2.0, 4.0  # error of q that a stop may cost (limits.expected_error) over facet², for k >= 0 and k < 0
 FIRST = 3  # facets, either side, in the contact of the first increment with friction
 
 
@@ -35,7 +39,8 @@ def half_plane_solver(scene: Scene, scaled: Scaled, effects: Effects, nodes: int
 class ExpectedEdges:
     """Places x > 0 where edges turn round, and ways (from, to) of the contact's and of the stick's between them.
 
-    What is at x is at -x too. first: half-width of contact after the first increment, if friction acts in it;
+    What is at x is at -x too. first: half-width of contact after the first increment, if friction acts in it; stops:
+    where the edge of stick is after a load step, and the size of q there (Stop); exact: none is an estimate;
     fineness: ``facet`` over the facets on the way of the edges of stick, if more than 1.
     """
 
@@ -43,13 +48,16 @@ class ExpectedEdges:
     contact_way: tuple[float, float] | None = None
     stick_way: tuple[float, float] | None = None
     first: float | None = None
+    stops: tuple["Stop", ...] = ()
+    exact: bool = False
     fineness: float = 1.0
 
     def sweeps(self, k: float, facet: float, edge_facet: float) -> tuple[tuple[float, float, float], ...]:
         """Intervals (from, to, facet length) over which edges move, on both sides.
 
         For k < 0 traction ends the more steeply: facets are so small that an edge costs twice what it does at k = 0.
-        Where pressure ends too, they come close to ``edge_facet``. The first contact has FIRST facets on either side.
+        Where pressure ends too, they come close to ``edge_facet``. At a stop they are smaller the smaller q is in that
+        state, so that its relative error is that of the others. The first contact has FIRST facets on either side.
         """
         steep = min(size_for(2 * expected_error(0.0, facet), min(k, 0.0)), facet / self.fineness)
         ways = []
@@ -57,9 +65,21 @@ class ExpectedEdges:
             ways.append((*self.stick_way, max(steep, edge_facet)))
         if self.contact_way:
             ways.append((*self.contact_way, max(min(steep, edge_facet**0.9 * facet**0.1), edge_facet)))
+        error = STOP[k < 0] * facet**2  # that of the smooth part of q falls like this too
+        for stop in self.stops:
+            apart = min((abs(stop.x - x) for x in {*self.edges, *(s.x for s in self.stops)} - {stop.x}), default=1.0)
+            size = min(size_for(error * stop.share, k), facet / 2, apart / FACETS)
+            ways.append((stop.x, stop.x, max(size, edge_facet)))
         if self.first:
             ways.append((0.0, 2 * self.first, self.first / FIRST))
         return tuple(sorted({*ways, *((-right, -left, size) for left, right, size in ways)}))
+
+
+class Stop(NamedTuple):
+    """Place x > 0 of an edge of stick after a load step, and q there over mu p (L2) and over the turns of the edge."""
+
+    x: float
+    share: float
 
 
 def expected_edges(
@@ -76,13 +96,14 @@ def expected_edges(
         assert contact is not None  # contact_has_closed_form
         a = contact.a
         if loop is None and not scene.friction:
-            return ExpectedEdges((a,))
+            return ExpectedEdges((a,), exact=True)
+        states = SpringPath(contact, scene.mu).run([load[:2] for load in loads])[::-1]
         if loop is None:
-            states = SpringPath(contact, scene.mu).run([load[:2] for load in loads])[::-1]
-            return ExpectedEdges(_several([e for s in states for e in (s.contact_half_width, s.stick_half_width)]))
+            ends = [edge for state in states for edge in (state.contact_half_width, state.stick_half_width)]
+            return ExpectedEdges(_several(ends), exact=True)
         shares = (0.5, 0.0, -0.5) if scene.mesh.edges == "states" else ()
         between = [loop.active_half_width(share * loop.Q_A, "unloading") for share in shares]
-        return ExpectedEdges((loop.c, a, *between), stick_way=(loop.c, a))
+        return ExpectedEdges((loop.c, a, *between), stops=_stops(states), exact=True)
     try:
         return _rough_edges(scene, scaled, effects, loads)
     except (RuntimeError, ValueError):  # no reason to stop: the mesh is only less well graded
@@ -114,6 +135,21 @@ def _with_strain(scene, scaled, effects, loads):
     way = (float(contact.min()), float(contact.max())) if "coupling" in effects else None
     stick_way = min(edges), float(contact.max())
     return ExpectedEdges(edges, contact_way=way, stick_way=stick_way, fineness=FINER_WITH_STRAIN)
+
+
+def _stops(states) -> tuple[Stop, ...]:
+    """Of states of a SpringPath under the P of the first, each edge once."""
+    a, mu = states[0].contact_half_width, states[0].memory.mu
+    x = a * np.linspace(-1.0, 1.0, SAMPLES + 2)[1:-1]
+    limit = mu * np.linalg.norm(states[0].pressure(x))
+    shares: dict[float, float] = {}
+    for state in states:
+        c = round(state.stick_half_width / a, 9)
+        if state.P == states[0].P and c < 1.0:
+            kink = 1.0 if len(state.memory.P) <= 3 else 2.0  # where slip has turned, q changes by 2 mu p
+            share = float(np.linalg.norm(state.traction(x)) / limit / kink)
+            shares[c] = min(share, shares.get(c, share))
+    return tuple(Stop(c * a, share) for c, share in shares.items() if share > 0.0)
 
 
 def _rough_edges(scene, scaled, effects, loads):

@@ -3,6 +3,7 @@
 from forms.contact import X, Y
 
 from ..loading.fallbacks import explained
+from . import critical_friction
 from .simulation import Simulation
 
 TERMS = {X: "tangential traction", Y: "contact pressure"}
@@ -17,6 +18,9 @@ def explain(simulation: Simulation) -> str:
         if problem is not None:
             unknown = " and ".join(TERMS[i] for i in problem.directions)
             lines.append(f"{stage:26s} {unknown}, {len(problem.directions)} rigid displacement(s), {solver} Newton")
+    critical = critical_friction.expected(simulation.scene, simulation.effects)
+    if critical is not None:
+        lines.append(f"{'critical friction':26s} {critical_friction.describe(simulation.scene, critical)}")
     edges = ", ".join(f"{edge:.4g}" for edge in simulation.cells.edges if edge > 0)
     lines.append(f"{'surface nodes':26s} {simulation.sampler.x.size}, graded to x/a = ±{edges}")
     lines.append(f"{'load steps':26s} {len(simulation.schedule)}")

@@ -33,8 +33,9 @@ class Moment:
         return np.where(slides, np.sign(self.surface.traction), 0.0)
 
 
-def frictional_work(before: Moment, after: Moment, mu: float, k: float, earlier: Moment | None = None) -> float:
-    """Energy dissipated in a load step, -∫∫ q ds dx. earlier: the state before ``before``; k: grading at the surface.
+def frictional_work(before: Moment, after: Moment, mu: float, k: float, earlier: Moment | None = None) -> np.ndarray:
+    """Energy that a load step dissipates per area of surface (n,), -∫ q ds. earlier: the state before ``before``; k:
+    grading at the surface.
 
     A point that begins to slide within the step does so late, like (t - t0)^((3-k)/2), (50); one that enters or leaves
     contact slides while its pressure is C (distance from the edge)^((1+k)/2), (44), for a part of the step. Both are
@@ -52,7 +53,7 @@ def frictional_work(before: Moment, after: Moment, mu: float, k: float, earlier:
     mean = np.where(begins, p1 - (p1 - p0) * 2.0 / (7.0 - k), mean)
     mean = np.where(enters | leaves, (p0 + p1) * 2.0 / (5.0 + k), mean)
     q = mu * mean * np.where(leaves, was, now)
-    return -after.surface.line_load(q * moved)
+    return -q * moved
 
 
 def growth(slip_before, slip) -> np.ndarray:

@@ -9,6 +9,8 @@ from ..loading.schedule import LoadStep
 from ..loading.stepping import Outcome
 from .frictional_work import Moment, frictional_work
 
+SEPARATED, STICK, SLIP = 0, 1, 2  # contact states in files
+
 
 @dataclass(frozen=True)
 class Entry:
@@ -19,7 +21,8 @@ class Entry:
     slip: np.ndarray  # (n,) u_x - delta_x since tangential loading began
     contact: tuple[float, float]  # edges of the contact
     stick: tuple[float, float]  # edges of the stick zone
-    dissipated: float  # energy since the start
+    work: np.ndarray  # (n,) frictional work per area of surface since the start
+    dissipated: float  # its integral over the surface
     iterations: int
     cuts: int
     residual: float
@@ -33,6 +36,16 @@ class Entry:
     def a(self) -> float:
         """Contact half-width."""
         return float(self.contact[1] - self.contact[0]) / 2
+
+    @property
+    def peak_pressure(self) -> float:
+        """Largest nodal pressure."""
+        return float(self.surface.pressure.max())
+
+    @property
+    def carried(self) -> tuple[float, float]:
+        """Line loads P, Q that the tractions carry; the prescribed ones to the tolerance of the load balance."""
+        return self.surface.line_load(self.surface.pressure), self.surface.line_load(self.surface.traction)
 
     @property
     def c(self) -> float:
@@ -52,11 +65,11 @@ class History:
         """Add the state that ``outcome`` ended with."""
         increment, s = outcome.step, surface.relative_displacement
         contact = fitted_contact_edges(surface, self.k)
-        stick, dissipated = contact, 0.0
+        stick, work = contact, np.zeros_like(s)
         if self.friction and np.any(surface.traction):
             stick = fitted_stick_edges(surface, self.mu, increment.direction, self.k)
         if self.entries:
-            dissipated = self.entries[-1].dissipated + self._work(Moment(surface, contact))
+            work = self.entries[-1].work + self._work(Moment(surface, contact))
         if increment.branch == "normal":
             self._rest = s
         entry = Entry(
@@ -65,7 +78,8 @@ class History:
             slip=s - self._rest,
             contact=contact,
             stick=stick,
-            dissipated=dissipated,
+            work=work,
+            dissipated=surface.line_load(work),
             iterations=outcome.iterations,
             cuts=outcome.cuts,
             residual=outcome.results[-1].residual,
@@ -78,7 +92,7 @@ class History:
         self.entries.append(entry)
         return entry
 
-    def _work(self, after: Moment) -> float:
+    def _work(self, after: Moment) -> np.ndarray | float:
         if not self.friction:
             return 0.0
         *earlier, before = (Moment(e.surface, e.contact) for e in self.entries[-2:])
@@ -100,11 +114,27 @@ class History:
         cycle = self.entries[-1].increment.cycle
         return [entry for entry in self.entries if entry.increment.cycle == cycle]
 
+    def contact_states(self, entry: Entry) -> np.ndarray:
+        """SEPARATED, STICK or SLIP at each node (n,). Without friction what is in contact counts as STICK."""
+        moment = Moment(entry.surface, entry.contact)
+        slides = moment.sliding(self.mu) != 0 if self.friction else False
+        return np.where(entry.surface.pressure > 0, np.where(slides, SLIP, STICK), SEPARATED)
+
+    @property
+    def work(self) -> np.ndarray:
+        """Frictional work per area of surface (n,) in the last full cycle, w of (51); where there is none, since the
+        start.
+        """
+        return self.entries[-1].work - self._before_cycle.work if self.has_cycle else self.entries[-1].work
+
     @property
     def dissipated_energy(self) -> float:
-        """Energy dissipated in the last full cycle; where there is none, since the start."""
+        """Energy dissipated in the last full cycle, the integral of ``work``; where there is none, since the start."""
         if not self.has_cycle:
             return float(self.entries[-1].dissipated)
-        cycle = self.last_cycle
-        start = self.entries[len(self.entries) - len(cycle) - 1]
-        return float(cycle[-1].dissipated - start.dissipated)
+        return float(self.entries[-1].dissipated - self._before_cycle.dissipated)
+
+    @property
+    def _before_cycle(self) -> Entry:
+        """What the last full cycle starts from."""
+        return self.entries[len(self.entries) - len(self.last_cycle) - 1]

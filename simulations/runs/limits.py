@@ -8,14 +8,18 @@ from __future__ import annotations
 from math import ceil, expm1, floor, log, log10
 from typing import TYPE_CHECKING
 
-from ..scene import SceneError
+from ..scene import SceneError, shown
+from ..scene.output import NORMAL
 from ..solvers.newton import ATTAINABLE, FORCE_TOLERANCE, ROUND_OFF
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from analytic import FrettingLoop
 
     from ..fem.contact_problem import ContactProblem
     from ..fem.mesh import Grading
+    from ..loading.schedule import LoadStep
     from ..scene import Scene
 
 MOST_UNKNOWNS = 1_000_000  # some minutes, and 3 GB in the factorisation
@@ -52,6 +56,24 @@ def check_depth(scene: Scene, cells: Grading):
             f"solid.k = {scene.k!r} is too close to 1: dy/ds of the mesh depth s = y^(1-k) underflows in the first "
             f"layer; {allowed:g} or less is possible with this mesh.first_layer and mesh.layer_growth"
         )
+
+
+def check_output(scene: Scene, schedule: Sequence[LoadStep], extent: float):
+    """SceneError for states that the run does not come to, and for points outside the domain."""
+    output, reach = scene.output, extent * scene.half_width
+    if not isinstance(output.states, str):
+        there = [NORMAL, *dict.fromkeys(step.state for step in schedule if step.state)]
+        unknown = [name for name in output.states if name not in there]
+        if unknown:
+            names = ", ".join(there)
+            raise SceneError(f"output.states = {shown(list(output.states))} is not allowed: this run has {names}")
+    ends = [("lines", line, (line[:2], line[2:4])) for line in output.lines]
+    for key, given, points in (*ends, *(("points", point, (point,)) for point in output.points)):
+        if any(abs(x) > reach or y > reach for x, y in points):
+            raise SceneError(
+                f"output.{key}: {shown(list(given))} leaves the domain |x| ≤ {reach:.4g} m, "
+                f"0 ≤ y ≤ {reach:.4g} m ({extent:g} contact half-widths)"
+            )
 
 
 def check_size(scene: Scene, cells: Grading, columns: int, layers: int):

@@ -2,6 +2,7 @@
 
 from analytic import StretchedLoop
 
+from ..fem.edge_place import best_place
 from ..fem.load import Load
 from ..fem.mesh import Grading
 from ..loading.schedule import LoadStep, pressing, rocking, stretched, visiting
@@ -47,6 +48,15 @@ class Plan:
         on = tuple(name for name, verdict in self.effects.verdicts.items() if verdict.on)
         return loads, self.mu, on, tuple(self.scene.cell_sizes.items()), self.scene.mesh.edges
 
+    @property
+    def extent(self) -> float:
+        """Half-width and depth of the domain."""
+        scene = self.scene
+        if not scene.is_power_law:
+            return scene.mesh.extent * FARTHER * max(1.0, self.scaled.modulus.thickness)
+        is_coupled = "coupling" in self.effects and not scene.is_decoupled
+        return scene.mesh.extent * (FARTHER if is_coupled or "bulk strain" in self.effects else 1.0)
+
     def grading(self) -> Grading:
         """Cell sizes of the scene, graded to where contact and stick zone are expected to end."""
         scene = self.scene
@@ -55,11 +65,9 @@ class Plan:
             loads = [increment.load for increment in self._loop(min(scene.cycles, 1), ROUGH_QUARTER)]
         with self.watch("edges"):
             found = expected_edges(scene, self.scaled, self.loop, self.effects, loads)
-        sizes = scene.cell_sizes
-        if not scene.is_power_law:
-            sizes["extent"] *= FARTHER * max(1.0, self.scaled.modulus.thickness)
-        elif ("coupling" in self.effects and not scene.is_decoupled) or "bulk strain" in self.effects:
-            sizes["extent"] *= FARTHER
+        sizes = scene.cell_sizes | {"extent": self.extent}
+        if found.exact:
+            sizes.setdefault("edge_at", best_place(scene.mesh.degree, scene.k))
         edges = {*found.edges, *(-e for e in found.edges)}
         sweeps = found.sweeps(scene.k, sizes["facet"], sizes["edge_facet"])
         return Grading(edges=tuple(sorted(edges)), sweeps=sweeps, **sizes)

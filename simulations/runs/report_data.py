@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from . import checks, comparison, reference
+from . import checks, comparison, critical_friction, reference
 from .checks import Check
 from .simulation import Simulation
 
@@ -59,7 +59,9 @@ def find(simulation: Simulation, tell: reference.Tell | None = None) -> Findings
             words = f"closed form, which neglects the {' and the '.join(neglected)} of this run: another problem"
             neglecting = _compare(simulation, closed, words, tuple(neglected))
     coupled = "coupling" in simulation.effects or not scene.friction
-    found = checks.check(history, simulation.scaled.indenter.height, coupled)
+    found = checks.check(
+        history, simulation.scaled.indenter.height, coupled, lambda: critical_friction.cause(simulation)
+    )
     return Findings(quantities(simulation), found, exact, why_none, neglecting)
 
 
@@ -83,6 +85,8 @@ def summary(simulation: Simulation, findings: Findings | None, failure: str | No
     if findings:
         found |= findings.quantities
         found["checks"] = {name: vars(check) | {"holds": check.holds} for name, check in findings.checks.items()}
+        critical = critical_friction.expected(simulation.scene, simulation.effects)
+        found["critical_friction"] = critical_friction.numbers(critical)
         found["reference"] = findings.exact.words if findings.exact else findings.why_none
         found["errors"] = None
         found |= _deviations("errors", findings.exact)

@@ -19,7 +19,7 @@ from ..solvers.full import FullSystem
 from ..solvers.newton import FORCE_TOLERANCE
 from . import freeing
 from .history import Entry, History
-from .limits import check_depth, check_parameters, check_resolution, check_round_off, check_size
+from .limits import check_depth, check_output, check_parameters, check_resolution, check_round_off, check_size
 from .plan import Plan
 from .reuse import Meshed, why_not
 from .timing import Stopwatch
@@ -52,6 +52,7 @@ class Simulation(Meshed):
         super().__init__(scene, watch or Stopwatch())
         self.mesh_of = like.mesh_of if like else None if cells else self.graded_for  # what the mesh was graded for
         check_parameters(scene)
+        check_output(scene, self.schedule, self.extent)
         if like is None:
             freeing.earlier(comm)
             with self.watch("mesh"):
@@ -74,7 +75,8 @@ class Simulation(Meshed):
             frictional = None
             if scene.friction:
                 directions = (X, Y) if "coupling" in self.effects else (X,)
-                frictional = ContactProblem(self.body, indenter.height, nitsche, directions, self.mu)
+                elastic = self.scaled.elastic_compliance(scene) if "elastic slip" in self.effects else 0.0
+                frictional = ContactProblem(self.body, indenter.height, nitsche, directions, self.mu, elastic)
         self.solver = LoadStepping(
             normal, frictional, self._system, "friction in normal stage" in self.effects, tolerance
         )

@@ -54,9 +54,7 @@ def family(fineness: float, k: float) -> dict[str, float]:
         "layer_growth": 2.0 if t > 2.5 else 1.6 if t > 0.8 else 1.4,
         "extent": 20.0 if t > 0.6 else 30.0,
     }
-    steep = {}
-    if k < 0:  # gamma0 for the same reason; steep ends are off by three to six times as much elsewhere in the facet
-        steep = {"solver.gamma0": 3.0, "mesh.edge_at": 0.5}
+    steep = {"solver.gamma0": 3.0} if k < 0 else {}  # for the same reason
     return {"mesh.degree": 3} | steep | {f"mesh.{name}": float(f"{value:.4g}") for name, value in sizes.items()}
 
 

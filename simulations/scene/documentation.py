@@ -11,7 +11,7 @@ from typing import Any, Literal, get_args, get_origin
 
 from annotated_types import Ge, Gt, Le, Lt
 
-from .fields import LONGEST, Word, allowed, alternatives, unit
+from .fields import LONGEST, ListOf, Word, allowed, alternatives, unit
 from .scene import Scene
 from .table import KINDS, Table, fields
 from .tables import ONE_OF_TWO
@@ -87,8 +87,8 @@ def _option(base, marks) -> dict[str, Any]:
     words = get_args(base)
     if get_origin(base) is Literal:
         return {"enum": list(words)}
-    pair = {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2}
-    return {"type": "array", "items": pair, "minItems": 1}
+    (kind,) = (mark for mark in marks if isinstance(mark, ListOf))
+    return {"type": "array", "items": kind.item, "minItems": kind.least}
 
 
 def written() -> dict[Path, str]:

@@ -111,6 +111,14 @@ def coupling(scene: Scene) -> Verdict:
     return Verdict(True, why, "pressure and traction in one system")
 
 
+def elastic_slip(scene: Scene) -> Verdict:
+    """Stuck points slip elastically where a length is given: Coulomb's law is regularised."""
+    length = scene.effects.elastic_slip
+    if not scene.friction or length is None:
+        return Verdict(False, "no length given" if scene.friction else "no tangential load", "Coulomb's law as it is")
+    return Verdict(True, f"effects.elastic_slip = {length:g}", "regularised: stuck points slip in proportion to q")
+
+
 def friction_in_normal_stage(scene: Scene) -> Verdict:
     """Friction from first contact on, or only once the tangential load starts."""
     if not (scene.friction and scene.effects.friction_in_normal_stage):
@@ -179,6 +187,7 @@ add(
     Effect("friction", friction, keeps_reference=True),
     Effect("symmetry", symmetry, keeps_reference=True),
     Effect("coupling", coupling, keeps_reference=True),
+    Effect("elastic slip", elastic_slip),
     Effect("friction in normal stage", friction_in_normal_stage, keeps_reference=True),
     Effect("incompressibility", incompressibility, keeps_reference=True),
     Effect("load schedule", load_schedule, keeps_reference=True),

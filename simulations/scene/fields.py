@@ -5,7 +5,7 @@ numbers.
 """
 
 import json
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from math import isfinite
 from types import NoneType, UnionType
@@ -16,6 +16,7 @@ from pydantic import BeforeValidator, Field
 from pydantic.fields import FieldInfo
 
 LONGEST = 1000  # characters of a text
+MOST_ON_A_LINE = 10_000  # points
 LARGEST = 1e308  # of a number: beyond it sums overflow
 
 
@@ -31,6 +32,15 @@ class Word:
     """A word that may stand for a number."""
 
     text: str
+
+
+@dataclass(frozen=True)
+class ListOf:
+    """What a list holds: in words for people, as a JSON schema of one item for editors; ``least`` items."""
+
+    words: str
+    item: dict[str, Any]
+    least: int = 1
 
 
 def plain(value):
@@ -70,23 +80,89 @@ def _text(value) -> str:
     return str(value)
 
 
-def _points(value) -> tuple[tuple[float, float], ...]:
+def _rows(value, length: int) -> tuple[tuple[float, ...], ...]:
+    """Rows of ``length`` numbers each."""
     if hasattr(value, "tolist"):  # an array
         value = value.tolist()
-    pairs = isinstance(value, (list, tuple)) and all(isinstance(p, (list, tuple)) and len(p) == 2 for p in value)
-    if not pairs or not value:
-        raise ValueError("not a list of pairs")
-    found = tuple((_number(P), _number(Q)) for P, Q in value)
-    if any(P <= 0 for P, _ in found):
+    rows = isinstance(value, (list, tuple)) and all(isinstance(r, (list, tuple)) and len(r) == length for r in value)
+    if not rows:
+        raise ValueError(f"not a list of rows of {length}")
+    return tuple(tuple(map(_number, row)) for row in value)
+
+
+def _points(value) -> tuple[tuple[float, ...], ...]:
+    found = _rows(value, 2)
+    if not found or any(P <= 0 for P, _ in found):
         raise ValueError("P is not positive")
     return found
+
+
+def _places(value) -> tuple[tuple[float, ...], ...]:
+    found = _rows(value, 2)
+    if any(y < 0 for _, y in found):
+        raise ValueError("above the surface")
+    return found
+
+
+def _lines(value) -> tuple[tuple[float, ...], ...]:
+    found = _rows(value, 5)
+    for x0, y0, x1, y1, n in found:
+        if min(y0, y1) < 0 or not 2 <= n <= MOST_ON_A_LINE or n != int(n) or (x0, y0) == (x1, y1):
+            raise ValueError("no line in the body")
+    return tuple((*row[:4], int(row[4])) for row in found)
+
+
+def _words(value) -> tuple[str, ...]:
+    if not isinstance(value, (list, tuple)) or not value:
+        raise ValueError("not a list of names")
+    return tuple(dict.fromkeys(map(_text, value)))
+
+
+def _row_of(columns: int) -> dict[str, Any]:
+    return {"type": "array", "items": {"type": "number"}, "minItems": columns, "maxItems": columns}
+
+
+def among(known: tuple[str, ...]) -> Callable[[Any], tuple[str, ...]]:
+    """Check of a list of names that each is ``known``."""
+
+    def check(value):
+        found = _words(value)
+        if not set(found) <= set(known):
+            raise ValueError("an unknown name")
+        return found
+
+    return check
 
 
 Number = Annotated[float, BeforeValidator(_number)]
 Integer = Annotated[int, BeforeValidator(_integer)]
 Truth = Annotated[bool, BeforeValidator(_truth)]
 Text = Annotated[str, BeforeValidator(_text)]
-Points = Annotated[tuple[tuple[float, float], ...], BeforeValidator(_points), Unit("N/m")]
+Points = Annotated[
+    tuple[tuple[float, float], ...],
+    BeforeValidator(_points),
+    Unit("N/m"),
+    ListOf("a list of pairs [P, Q] of numbers, P > 0", _row_of(2)),
+]
+Places = Annotated[
+    tuple[tuple[float, float], ...],
+    BeforeValidator(_places),
+    Unit("m"),
+    ListOf("a list of pairs [x, y] of numbers, y ≥ 0", _row_of(2), 0),
+]
+Lines = Annotated[
+    tuple[tuple[float, float, float, float, int], ...],
+    BeforeValidator(_lines),
+    Unit("m"),
+    ListOf(
+        f"a list of [x0, y0, x1, y1, n] with y ≥ 0, two different ends and an integer n, 2 ≤ n ≤ {MOST_ON_A_LINE}",
+        _row_of(5),
+        0,
+    ),
+]
+StateNames = Annotated[
+    tuple[str, ...], BeforeValidator(_words), ListOf('a list of states, as in ["normal", "A"]', {"type": "string"})
+]
 Length = Annotated[Number, Unit("m"), Field(gt=0)]
 Stress = Annotated[Number, Unit("Pa"), Field(gt=0)]
 LineLoad = Annotated[Number, Unit("N/m"), Field(gt=0)]
@@ -124,7 +200,7 @@ def _in_words(base, marks) -> Iterator[str]:
     elif base in (int, float):
         yield ("an integer" if base is int else "a number") + _range(marks)
     else:
-        yield "a list of pairs [P, Q] of numbers, P > 0"
+        yield from (mark.words for mark in marks if isinstance(mark, ListOf))
     yield from (f'"{mark.text}"' for mark in marks if isinstance(mark, Word))
 
 

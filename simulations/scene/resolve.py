@@ -12,6 +12,7 @@ from . import accuracy
 from .errors import SceneError, one_line, shown
 from .fields import allowed, plain
 from .indenter import Shape, shape_of
+from .output import Output
 from .settings import EffectSwitches, Mesh, Reference, Solver, switches
 from .solid import normal_contact
 from .table import KINDS, Table, fields, model_for, unknown
@@ -42,6 +43,7 @@ def typed_tables(given: Mapping[str, Any]) -> dict[str, Table]:
         "solver": Solver(**raw["solver"]),
         "reference": Reference(**raw["reference"]),
         "effects": effects,
+        "output": Output(**raw["output"]),
     }
 
 

@@ -69,6 +69,10 @@ class Scaled:
         contact = normal_contact(solid, indenter, 1.0) if scene.is_power_law else None
         return cls(scales, law, solid, indenter, contact)
 
+    def elastic_compliance(self, scene: Scene) -> float:
+        """Compliance of elastic slip: ``effects.elastic_slip`` over the friction mu P/(2a) of the mean pressure."""
+        return 2.0 * scene.effects.elastic_slip / self.scales.displacement / scene.mu
+
     @cached_property
     def kernel(self) -> GradedHalfPlane | LayeredKernel:
         """What the half-plane solver takes for the solid; a layered one is costly, and made once."""

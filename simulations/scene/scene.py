@@ -11,6 +11,7 @@ from . import solid as solids
 from .errors import SceneError, one_line, shown
 from .fields import LONGEST, Text
 from .indenter import Shape, shape_of
+from .output import Output
 from .resolve import fitting, half_width_on_homogeneous, typed_tables
 from .settings import EffectSwitches, Mesh, Reference, Solver
 from .table import KINDS
@@ -36,6 +37,7 @@ class Scene(BaseModel):
     solver: Solver = Solver()
     reference: Reference = Reference()
     effects: EffectSwitches = EffectSwitches()
+    output: Output = Output()
 
     if not TYPE_CHECKING:  # there the fields are the arguments
 

@@ -6,7 +6,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import Field, create_model, model_validator
 
 from .errors import SceneError
-from .fields import Integer, Number, Truth, Unit, is_number, plain
+from .fields import Integer, Length, Number, Truth, Unit, is_number, plain
 from .table import KINDS, Table, register
 
 HalfWidths = Annotated[Number, Unit("a")]
@@ -28,7 +28,7 @@ class Mesh(Table):
     edge_at: Annotated[Dimensionless, Field(ge=0, le=1)] | None = Field(
         default=None,
         description="where in its facet an edge of contact or stick lies, from 0 at the inner end; "
-        "empty: wherever it falls",
+        "empty: where it costs least, if the edges are known exactly, else wherever it falls",
     )
     extent: HalfWidths = Field(
         default=20.0,
@@ -95,6 +95,11 @@ class EffectSwitches(Table):
     )
     coupling: Truth = Field(
         default=True, description="pressure and traction in one system; false: as in the closed forms"
+    )
+    elastic_slip: Length | None = Field(
+        default=None,
+        description="regularises Coulomb's law: stuck points slip elastically, so far under the friction of the mean "
+        "pressure P/(2a); empty: not at all",
     )
     friction_in_normal_stage: Truth = Field(default=False, description="friction from the first contact on")
     incompressibility: Truth | Literal["auto"] = Field(

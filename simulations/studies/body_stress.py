@@ -15,7 +15,7 @@ from ..scene import SceneError
 from .commandline import make_folders, study_parser
 
 REACH, DEPTH = 1.6, 1.6  # drawn part of the body, in contact half-widths a
-WORDS = {"initial": "first loading", "unloading": "unloading", "reloading": "reloading"}
+WORDS = {"initial": "first loading", "unloading": "unloading", "reloading": "reloading", "path": "path"}
 
 
 def main(arguments: list[str]):

@@ -3,9 +3,9 @@
 from argparse import Namespace
 from pathlib import Path
 
-from .. import __version__
 from ..command.command import Parser, writable
 from ..scene import SceneError
+from ..version import __version__
 
 
 def study_parser(name: str, description: str | None, output: str | None = None, page: str | None = None) -> Parser:

@@ -18,8 +18,9 @@ from mpi4py import MPI
 from ..command.command import comm, on_root, run, say
 from ..loading.stepping import SolveError
 from ..output.files import write_table, write_text
+from ..runs import critical_friction
 from ..runs.checks import check, drift, still_changing
-from ..runs.comparison import compare
+from ..runs.comparison import compare, worst
 from ..runs.energy import EnergyMeter, worst_defect
 from ..runs.reference import NoReference, of_same_physics
 from ..runs.simulation import Simulation
@@ -37,6 +38,8 @@ ERRORS = {"pressure_l2": 0.1, "traction_l2": 0.1, "a": 0.05, "dissipated_energy"
 ENERGY = 1e-6  # of what an increment turns over, or where that is more ...
 ENERGY_ROUND_OFF = 10.0  # ... this many times Newton's tolerance, of P²/E(a)
 CONSISTENCY = 1e-3  # theta != 0 adds forces that do work through the error of discretisation
+SEED = 20260116  # of the draw
+EVERY_STATE = "every state"  # key of a case whose errors are the largest of all states; no key of a scene
 DRIFT = 1e-6  # of the steady loop from cycle to cycle, over the largest pressure
 
 
@@ -60,11 +63,35 @@ def read_cases(only: list[str] = ()) -> dict[str, dict]:
     return cases
 
 
+def drawn_cases(count: int) -> dict[str, dict]:
+    """The first ``count`` of a seeded draw over what a scene admits: scene keys by name, each judged at every state."""
+    base = next(iter(read_cases(["Holl ratio"]).values()))
+    random, cases = np.random.default_rng(SEED), {}
+    for number in range(count):
+        coupled = bool(random.random() < 0.7)
+        changes = {
+            "solid.k": round(float(random.uniform(-0.9, 0.9)), 3),
+            "solid.nu": round(float(random.uniform(-0.5, 0.5)), 3),
+            "load.mu": float(f"{np.exp(random.uniform(*np.log((0.01, 4.0)))):.3g}"),
+            "load.amplitude": round(float(random.uniform(0.1, 0.99)), 3),
+            "solver.increments": int(random.integers(2, 7)),
+            "mesh.degree": int(random.integers(1, 4)),
+            "mesh.edge_facet": float(random.choice([0.02, 0.01, 5e-3])),
+            "effects.friction_in_normal_stage": bool(random.random() < 0.2),
+            "effects.coupling": coupled,
+        }
+        shown = ", ".join(f"{key.partition('.')[2]} {value}" for key, value in changes.items())
+        kind = "half-plane" if coupled else "closed form"
+        cases[f"drawn: {number + 1}, {shown}"] = base | changes | {"reference.kind": kind, EVERY_STATE: True}
+    return cases
+
+
 def solve(values: dict) -> dict:
     """One case: how it ended (``outcome``, ``why``) and its numbers."""
-    start = time.perf_counter()
+    start, values = time.perf_counter(), dict(values)
+    every_state = values.pop(EVERY_STATE, False)
     try:
-        row = _measure(make_scene(values, base=None))
+        row = _measure(make_scene(values, base=None), every_state)
     except SceneError as reason:
         row = {"outcome": REFUSED, "why": str(reason)}
     except SolveError as reason:
@@ -72,7 +99,7 @@ def solve(values: dict) -> dict:
     return row | {"seconds": round(time.perf_counter() - start, 3)}
 
 
-def _measure(scene: Scene) -> dict:
+def _measure(scene: Scene, every_state: bool) -> dict:
     simulation = Simulation(MPI.COMM_SELF, scene)
     simulation.solver.configure(confirm=True)
     meter = EnergyMeter(simulation.body)
@@ -80,7 +107,8 @@ def _measure(scene: Scene) -> dict:
         meter.read(entry)
     history = simulation.history
     tolerance = max(entry.tolerance for entry in history.entries)
-    checks = check(history, simulation.scaled.indenter.height, "coupling" in simulation.effects)
+    height, coupled = simulation.scaled.indenter.height, "coupling" in simulation.effects
+    checks = check(history, height, coupled, lambda: critical_friction.cause(simulation))
     defects = {name: c.value for name, c in checks.items() if not c.holds}
     balance = worst_defect(meter.steps, ENERGY_ROUND_OFF * tolerance / ENERGY)
     if balance > (CONSISTENCY if scene.solver.theta else ENERGY):
@@ -89,11 +117,13 @@ def _measure(scene: Scene) -> dict:
     if drifting > max(DRIFT, 10 * tolerance):
         defects["drift"] = drifting
     unsettled = max(entry.residual / entry.tolerance for entry in history.entries)
-    errors = _errors(simulation)
+    errors = _errors(simulation, every_state)
     off = {name: value for name, value in errors.items() if abs(value) > ERRORS.get(name, np.inf)}
     outcome, why = GREEN, ""
     if defects:
-        outcome, why = REFUSED, "after the solve: " + ", ".join(f"{n} {v:.1e}" for n, v in defects.items())
+        causes = [c.cause for c in checks.values() if c.cause]
+        failing = ", ".join(f"{n} {v:.1e}" for n, v in defects.items())
+        outcome, why = REFUSED, "; ".join([f"after the solve: {failing}", *causes])
     elif off:
         outcome, why = WRONG, ", ".join(f"{n} {v:.1e}" for n, v in off.items())
     return {
@@ -115,13 +145,15 @@ def _measure(scene: Scene) -> dict:
     }
 
 
-def _errors(simulation: Simulation) -> dict[str, float]:
+def _errors(simulation: Simulation, every_state: bool) -> dict[str, float]:
+    """Of the last state, or the largest of all states of the last cycle; none without a reference."""
     try:
         reference = of_same_physics(simulation)
     except NoReference:
         return {}
     if isinstance(reference, Springs) or simulation.scene.reference.kind == "half-plane":
-        return compare(simulation.history, reference)
+        found = compare(simulation.history, reference)
+        return found | worst(simulation.history, reference) if every_state else found
     return {}
 
 
@@ -150,8 +182,12 @@ def read(arguments: list[str]) -> tuple[Namespace, dict[str, dict]]:
     """The checked command line and its cases; SceneError where it is wrong."""
     parser = study_parser("stability", __doc__, "results/stability", "the table (default: DIR/stability.md)")
     parser.add_argument("--only", nargs="+", default=[], metavar="STUDY", help="studies of stability.toml")
+    parser.add_argument("--drawn", type=int, default=0, metavar="N", help="cases of a seeded draw beside them (0)")
     given = parser.parse_args(arguments)
     cases = read_cases(given.only)
+    if given.drawn < 0:
+        raise SceneError(f"--drawn {given.drawn} is not allowed: an integer in [0, inf[")
+    cases |= drawn_cases(given.drawn)
     given.page = given.page or given.output / "stability.md"
     make_folders(given)
     return given, cases

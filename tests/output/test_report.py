@@ -1,13 +1,19 @@
-"""The page of a run: one file that needs no other, true to summary.json."""
+"""The page of a run: one file that needs no other, true to the files of the run, in words."""
 
+import csv
 import json
+import shutil
 from html.parser import HTMLParser
 
+import h5py
+import numpy as np
 import pytest
 from running import coarse_arguments
 
 from simulations import fretting, report
-from simulations.scene import SceneError
+from simulations.output.page_figures import DENSITY, surface
+from simulations.output.page_words import CHECKS, QUANTITIES, asked, quantity
+from simulations.scene import SceneError, make_scene
 
 
 class Page(HTMLParser):
@@ -31,31 +37,72 @@ class Page(HTMLParser):
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
+def run(tmp_path_factory):
     folder = tmp_path_factory.mktemp("run")
     fretting.main([*coarse_arguments(folder, title='"A < B & C"'), "--quiet"])
     return folder
 
 
+@pytest.fixture
+def folder(run, tmp_path):
+    return shutil.copytree(run, tmp_path / "copy")
+
+
+def summary_of(folder):
+    return json.loads((folder / "summary.json").read_text())
+
+
 def test_page(folder):
     report.main([str(folder)])
-    page = Page((folder / "report.html").read_text())
-    summary = json.loads((folder / "summary.json").read_text())
+    page, summary = Page((folder / "report.html").read_text()), summary_of(folder)
     assert page.open == [] and "A < B & C" in page.text
-    assert len(page.sources) == 2 and all(source.startswith("data:image/png;base64,") for source in page.sources)
-    for value in (summary["a"], summary["dissipated_energy"], summary["errors"]["pressure_l2"]):
-        assert f"{value:.6g}" in page.text
-    for name in (*summary["effects"], *summary["versions"], "solid", "Newton iterations"):
-        assert name in page.text
+    assert len(page.sources) == 4 and all(source.startswith("data:image/png;base64,") for source in page.sources)
+    for name in ("a", "peak_pressure", "dissipated_energy", "c_over_a"):
+        assert quantity(summary[name], QUANTITIES[name][1]) in page.text, name
+        assert f"{summary['errors'][name]:+.1e}" in page.text, name
+    for name in ("pressure_l2", "traction_l2", "slip_l2"):
+        for deviations in (summary["errors"], summary["errors_worst_state"]):
+            assert f"{deviations[name]:.1e}" in page.text, name
+        assert name not in page.text, "a key instead of words"
+    for name in (*summary["effects"], *summary["versions"], *(CHECKS[name] for name in summary["checks"])):
+        assert name in page.text, name
+    assert len(summary["checks"]) == page.text.count(" holds ")
+    exact = make_scene().contact.a  # the column of the reference is the computed one over 1 + error
+    assert f"{quantity(summary['a'], 'm')} {quantity(exact, 'm')} " in page.text
+
+
+def without_pictures(folder):
+    for name in ("surface.h5", "fretting.png", "fields.xdmf"):
+        (folder / name).unlink()
+
+
+def test_a_check_that_fails_is_said(folder):
+    summary = summary_of(folder)
+    summary["checks"]["gap >= 0"] = {"value": 0.02, "limit": 1e-3, "holds": False}
+    (folder / "summary.json").write_text(json.dumps(summary | {"checks_hold": False}))
+    without_pictures(folder)
+    text = Page(report.page(folder)).text
+    assert "checks of the result fail" in text and "2.0e-02 1.0e-03 fails" in text
+
+
+def test_the_density_of_the_energy_is_drawn_where_the_run_has_it(folder):
+    with (folder / "history.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    with h5py.File(folder / "surface.h5", "a") as file:
+        file.pop(DENSITY, None)
+    without = surface(folder, rows)
+    with h5py.File(folder / "surface.h5", "a") as file:
+        file[DENSITY] = np.ones_like(file["x"])
+    assert surface(folder, rows) != without
 
 
 def test_page_of_a_run_that_stopped(folder):
-    summary = json.loads((folder / "summary.json").read_text())
-    kept = {name: value for name, value in summary.items() if name not in ("a", "errors", "reference")}
+    missing = ("a", "errors", "reference", "checks")
+    kept = {name: value for name, value in summary_of(folder).items() if name not in missing}
     (folder / "summary.json").write_text(json.dumps(kept | {"converged": False, "failure": "no <equilibrium>"}))
-    report.main([str(folder)])
-    assert "no <equilibrium>" in Page((folder / "report.html").read_text()).text
-    (folder / "summary.json").write_text(json.dumps(summary))
+    without_pictures(folder)
+    page = Page(report.page(folder))
+    assert "no <equilibrium>" in page.text and "nothing was checked" in page.text
 
 
 @pytest.mark.parametrize("content", ["", "{}", "[]", '{"title": 3}'])
@@ -67,3 +114,31 @@ def test_folders_without_a_run_are_refused(tmp_path, content):
     with pytest.raises(SceneError) as error:
         report.main([str(tmp_path)])
     assert "\n" not in str(error.value) and not (tmp_path / "report.html").exists()
+
+
+WITHOUT_POWER_LAW = {"k": None, "y0_over_a0": None}
+
+
+@pytest.mark.parametrize(
+    "changes, words",
+    [
+        ({}, ["210 GPa", "the Holl ratio", "1 MN/m", "Q_A = 0.9 μP = 270 kN/m, then once to −Q_A and back"]),
+        ({"load.cycles": 3, "solid.nu": 0.3}, ["ratio 0.3.", "then 3 times"]),
+        ({"load.cycles": 0}, ["stays there"]),
+        ({"effects.grading": False}, ["a homogeneous half-plane of modulus 210 GPa"]),
+        ({"indenter": {"profile": "formula", "formula": "x^2/R", "R": 0.1}}, ["f(x) = x^2/R in metres, R = 100 mm"]),
+        (
+            {"solid": {"modulus": "linear", "E_substrate": 2e11, "thickness": 1e-3, "nu": 0.3} | WITHOUT_POWER_LAW},
+            ["from 210 GPa to 200 GPa (linear), constant below 1 mm"],
+        ),
+    ],
+)
+def test_a_scene_in_words(changes, words):
+    text = " ".join(asked(make_scene(changes)))
+    for expected in words:
+        assert expected in text
+
+
+def test_numbers_with_units():
+    assert [quantity(v, "m") for v in (1.04426e-3, 0.0, -2.5e-6, 0.2)] == ["1.0443 mm", "0 m", "−2.5 µm", "200 mm"]
+    assert quantity(6.4408e8, "Pa", 4) == "644.1 MPa" and quantity(0.36747, "") == "0.36747"

@@ -14,6 +14,7 @@ from pathlib import Path
 import h5py
 import meshio
 import numpy as np
+import pandas
 import pytest
 from running import MPI_ENVIRONMENT, ROOT, coarse_arguments, run_command
 
@@ -22,8 +23,10 @@ from simulations.output import files as output
 from simulations.scene import SceneError
 
 SAME = 1e-10  # relative to the largest value: what an interruption may change
-QUANTITIES = ("pressure", "traction", "slip", "P", "Q")
-COLUMNS = ("P[N/m]", "delta_y[m]", "a[m]", "Q[N/m]", "delta_x[m]", "c[m]", "dissipated_energy[J/m]")
+QUANTITIES = ("pressure", "gap", "traction", "slip", "frictional_work", "frictional_work_of_cycle")
+QUANTITIES += ("load_parameter", "P_prescribed", "P_carried", "Q_prescribed", "Q_carried")
+COLUMNS = ("load_parameter", "P_prescribed[N/m]", "P_carried[N/m]", "delta_y[m]", "a[m]", "contact_left[m]")
+COLUMNS += ("peak_pressure[Pa]", "Q_prescribed[N/m]", "delta_x[m]", "c[m]", "stick_left[m]", "dissipated_energy[J/m]")
 
 
 def surface(folder):
@@ -57,6 +60,15 @@ def assert_same(folder, expected):
 
 
 def assert_same_fields(folder, expected):
+    lines = [place / "lines.csv" for place in (folder, expected)]
+    if lines[1].exists():
+        one, other = (pandas.read_csv(path) for path in lines)
+        assert one.select_dtypes(object).equals(other.select_dtypes(object))
+        mine, theirs = (table.select_dtypes(float).to_numpy() for table in (one, other))
+        finite = np.isfinite(theirs)
+        assert np.array_equal(finite, np.isfinite(mine))
+        scale = np.abs(np.where(finite, theirs, 0.0)).max(axis=0)
+        assert np.all(np.abs(mine - theirs)[finite] <= (1e-8 * scale + 0 * theirs)[finite])
     with (
         meshio.xdmf.TimeSeriesReader(folder / "fields.xdmf") as one,
         meshio.xdmf.TimeSeriesReader(expected / "fields.xdmf") as other,
@@ -79,7 +91,12 @@ RUN = {"solid__nu": 0.3, "reference__kind": '"none"'}
 SCENES = {
     "coupled": {"solid__nu": 0.3},
     "full": {"solver__method": "full", "solid__nu": 0.3},
-    "uncoupled": {"effects__coupling": "false", "solid__nu": 0.3},
+    "uncoupled": {
+        "effects__coupling": "false",
+        "solid__nu": 0.3,
+        "output__states": '["normal", "C"]',
+        "output__lines": "[[0, 0, 1e-3, 2e-3, 5]]",
+    },
     "mixed": {"solid__nu": 0.5, "solid__k": -0.1},
     "friction first": {
         "solid__nu": 0.3,

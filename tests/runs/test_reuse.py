@@ -29,7 +29,7 @@ def first():
         ({"mesh.first_layer": 0.01}, "mesh.first_layer = 0.01, not 0.02"),
         ({"mesh.extent": 30}, "mesh.extent = 30, not 20"),
         ({"mesh.edges": "states"}, "too coarse where contact or stick may end, at x = 0.895 a"),
-        ({"load.amplitude": 0.6}, "too coarse where contact or stick may end, at x = 0.671 a"),
+        ({"load.amplitude": 0.6}, "too coarse where contact or stick may end, at x = 0.856 a"),
         ({"load.amplitude": 0.05}, "too coarse"),
         ({"load.mu": None, "load.amplitude": None, "load.cycles": None}, "symmetry is on in one of them only"),
     ],

@@ -1,10 +1,13 @@
 """The exact reference of uncoupled runs: on loops the closed forms, at a sharp tip a mean, on paths no load steps."""
 
 import pytest
+from mpi4py import MPI
 from solving import coarse_simulation
 
-from simulations.runs.comparison import compare_state
+from simulations.runs.comparison import compare_state, worst
+from simulations.runs.simulation import Simulation
 from simulations.runs.springs import Springs
+from simulations.scene import DEFAULT_SCENE, parse
 
 UNCOUPLED = {"effects__coupling": "false", "solid__nu": 0.3}
 
@@ -28,3 +31,20 @@ def test_the_node_at_a_sharp_tip_has_a_finite_pressure():
     entry = simulation.history.entries[-1]
     springs = Springs(simulation.contact, simulation.mu, simulation.schedule)
     assert compare_state(entry, springs)["pressure_l2"] < 0.05
+
+
+SLOW = pytest.mark.slow
+
+
+@pytest.mark.parametrize(
+    "k, amplitude, allowed",
+    [(0.45, 0.5, 2e-3), (0.2, 0.6, 2e-3), pytest.param(0.0, 0.3, 2e-3, marks=SLOW)]
+    + [pytest.param(k, 0.3, 4e-3, marks=SLOW) for k in (-0.3, -0.5)],
+)
+def test_the_default_mesh_is_accurate_at_every_load_step(k, amplitude, allowed):
+    """Near Q = 0 the edge of stick lies far from where the load turns, and q is small."""
+    sets = {"solid.k": k, "solid.nu": 0.3, "load.amplitude": amplitude, "effects.coupling": "false"}
+    scene = parse(DEFAULT_SCENE, tuple(f"{key}={value}" for key, value in sets.items()))
+    simulation = Simulation(MPI.COMM_SELF, scene).run_to_end()
+    springs = Springs(simulation.contact, simulation.mu, simulation.schedule)
+    assert worst(simulation.history, springs)["traction_l2"] < allowed

@@ -147,6 +147,27 @@ REFUSED: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "points of three": (("points_triple.toml",), ("load.points", "pairs [P, Q]")),
     "points of text": (("points_text.toml",), ("load.points", "pairs [P, Q]")),
     "no points": (("points_empty.toml",), ("load.points = []", "pairs [P, Q]")),
+    # output
+    "unknown field": (
+        by_set('output.fields=["stress_zx"]'),
+        ("output.fields = ['stress_zx']", "a list of displacement"),
+    ),
+    "no field": (by_set("output.fields=[]"), ("output.fields = []", "a list of displacement")),
+    "states of no kind": (by_set("output.states=some"), ("output.states = 'some'", '"named" or "all"')),
+    "unknown state": (
+        by_set('output.states=["A", "F"]'),
+        ("output.states", "'F'", "this run has normal, A, B, C, D, E"),
+    ),
+    "state of a cycle": (by_set("load.cycles=0", 'output.states=["E"]'), ("output.states", "this run has normal, A")),
+    "line of four": (by_set("output.lines=[[0, 0, 1e-3, 9]]"), ("output.lines", "[x0, y0, x1, y1, n]")),
+    "line above the surface": (by_set("output.lines=[[0, 0, 0, -1e-3, 9]]"), ("output.lines", "y ≥ 0")),
+    "half a point on a line": (by_set("output.lines=[[0, 0, 0, 1e-3, 9.5]]"), ("output.lines", "an integer n")),
+    "line that leaves the domain": (
+        by_set("output.lines=[[0, 0, 0, 1e-3, 9], [0, 0, 0, 1, 9]]"),
+        ("output.lines: [0.0, 0.0, 0.0, 1.0, 9] leaves the domain", "0 ≤ y ≤ 0.02089 m"),
+    ),
+    "point outside": (by_set("output.points=[[-1, 0]]"), ("output.points: [-1.0, 0.0] leaves the domain",)),
+    "points of places": (by_set("output.points=[1, 2]"), ("output.points", "pairs [x, y]")),
     # formulas
     "formula of code": (by_set(FORMULA, "indenter.formula=__import__('os')"), ("indenter.formula", "arithmetic")),
     "half a formula": (by_set(FORMULA, "indenter.formula=x +"), ("indenter.formula", "arithmetic")),

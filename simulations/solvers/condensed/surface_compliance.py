@@ -50,6 +50,17 @@ class SurfaceCompliance:
         first = directions[0] * self.n
         return whole if len(directions) == 2 else whole.chosen(slice(first, first + self.n))
 
+    def nodal(self, which: np.ndarray) -> np.ndarray:
+        """Displacements (2m, 2m) of surface nodes ``which`` (bool (n,)) under unit forces on them, along x, then y.
+
+        On rank 0.
+        """
+        chosen = np.flatnonzero(np.tile(which, 2))
+        place = np.searchsorted(self.strip, self._surface_dofs.T.ravel()[chosen])
+        ones, count = np.ones(len(chosen)), np.arange(len(chosen))
+        rows = csr_matrix((ones, (count, place)), (len(chosen), len(self.strip)))
+        return self.matrix((0, 1)).times(rows)[:, chosen]
+
     def collect(self, owned: np.ndarray) -> np.ndarray:
         """Rows (n, ...) sorted by x, on every rank, from those of the owned surface nodes."""
         return gathered(self.comm, owned)[self.order]

@@ -1,0 +1,49 @@
+"""Where in its facet an edge of contact or stick costs least.
+
+Beside an edge at x = e a traction is like (e - x)^β, β = (1+k)/2, (44), (47). The surface nodes carry it with the
+weights of the Gauss-Lobatto rule of every facet. What this rule misses is φ(t) h^(1+β), with h the facet and t the
+place of e in it:
+
+    φ(t) = Σ_j w_j ζ(-β, {t - ξ_j}),
+
+with nodes ξ_j and weights w_j on [0, 1], {} the fractional part and ζ Hurwitz's zeta function (Navot's extension of the
+Euler-Maclaurin formula, J. Math. Phys. 40, 1961, 271). From afar it is a line force at the edge, and most of the error.
+"""
+
+from functools import cache
+
+import numpy as np
+from scipy.optimize import brentq
+
+RULES = {  # of (degree + 1) nodes: those but the last, which is the first of the next facet, and their weights there
+    1: ((0.0,), (1.0,)),
+    2: ((0.0, 0.5), (1 / 3, 2 / 3)),
+    3: ((0.0, (1 - 5**-0.5) / 2, (1 + 5**-0.5) / 2), (1 / 6, 5 / 12, 5 / 12)),
+}
+APART = 0.05  # from a node of the mesh, which is to lie on one side of the edge for sure
+TERMS = 12  # of the sum before the rest follows from the Euler-Maclaurin formula
+
+
+def zeta(power: float, t):
+    """Hurwitz's ζ(-power, t) for t > 0 of any shape and 0 < power < 2, to 1e-9."""
+    t = np.asarray(t, dtype=float)
+    end = t + TERMS
+    rest = -(end ** (power + 1)) / (power + 1) + end**power / 2 - power * end ** (power - 1) / 12
+    rest += power * (power - 1) * (power - 2) * end ** (power - 3) / 720
+    return ((t[..., None] + np.arange(TERMS)) ** power).sum(axis=-1) + rest
+
+
+def missed(degree: int, k: float, t):
+    """φ(t) for 0 < t < 1, counted from the inner end of the facet."""
+    nodes, weights = RULES[degree]
+    return sum(w * zeta((1 + k) / 2, (t - node) % 1.0) for node, w in zip(nodes, weights))
+
+
+@cache
+def best_place(degree: int, k: float) -> float:
+    """The place of an edge in its facet, from 0 at the inner end to 1, where φ vanishes most gently; -1 < k < 1."""
+    t = np.linspace(APART, 1 - APART, 1000)
+    values = missed(degree, k, t)
+    change = np.flatnonzero(values[1:] * values[:-1] < 0)
+    gentle = change[np.argmin(np.abs(values[change + 1] - values[change]))]
+    return float(brentq(lambda place: float(missed(degree, k, place)), t[gentle], t[gentle + 1]))

@@ -1,0 +1,123 @@
+"""Figures of a page about a run, drawn from the files of its folder: surface, friction loop, body, convergence."""
+
+import io
+from pathlib import Path
+
+import h5py
+import matplotlib.pyplot as plt
+import numpy as np
+
+from .page_words import prefixed, quantity
+from .style import BLACK, BLUE, COLOURS, GREY, style
+
+WIDTH = 10.5  # inches, which the page shows as wide as itself
+DENSITY = "dissipated_energy_density"  # of surface.h5 [J/m^2]
+DASHES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)))
+
+
+def surface(folder: Path, rows: list[dict]) -> bytes | None:
+    """Pressure, traction, slip, density of the dissipated energy and the loop in SI units; None without surface.h5.
+
+    rows: those of history.csv.
+    """
+    if not (folder / "surface.h5").is_file():
+        return None
+    with h5py.File(folder / "surface.h5") as file:
+        data = {name: file[name][()] for name in file if name not in ("state", "branch")}
+        states = file["state"].asstr()[()]
+    shown = _named(states) or {"last state": len(states) - 1}
+    pressed = np.flatnonzero(data["pressure"].max(axis=0) > 0)
+    reach = 1.12 * np.abs(data["x"][pressed]).max()
+    panels = [("pressure", "pressure p", "Pa")]
+    panels += [("traction", "traction q", "Pa"), ("slip", "slip", "m")] * ("traction" in data)
+    columns, extra = 3, 2 * ("traction" in data) + (DENSITY in data)
+    with style():
+        lines = -(-(len(panels) + extra) // columns)
+        size = (WIDTH, 3.1 * lines + 0.3)
+        figure, axes = plt.subplots(lines, columns, figsize=size, layout="constrained", squeeze=False)
+        free = list(axes.flat)
+        for name, words, unit in panels:
+            _states(free.pop(0), data, name, words, unit, shown, reach)
+        if DENSITY in data:
+            _density(free.pop(0), data, reach)
+        if "traction" in data:
+            _loop(free.pop(0), free.pop(0), rows, shown)
+        for axis in free:
+            axis.set_visible(False)
+        labels = [_label(state, data, place) for state, place in shown.items()]
+        figure.legend(axes[0, 0].lines, labels, loc="outside lower center", ncols=len(labels))
+        return png(figure)
+
+
+def convergence(rows: list[dict]) -> bytes:
+    """Newton iterations and the force residual of every load step; rows: those of history.csv."""
+    numbers = [int(row["increment"]) for row in rows]
+    with style():
+        figure, (left, right) = plt.subplots(1, 2, figsize=(WIDTH, 2.6), layout="constrained")
+        left.bar(numbers, [int(row["iterations"]) for row in rows], color=BLUE)
+        left.set(xlabel="load step", ylabel="Newton iterations")
+        right.semilogy(numbers, [max(float(row["residual"]), 1e-17) for row in rows], "o", color=BLUE)
+        right.set(xlabel="load step", ylabel="force residual over P [–]")
+        return png(figure)
+
+
+def _named(states) -> dict[str, int]:
+    """The last state of each name, in the order of the names."""
+    return dict(sorted({name: i for i, name in enumerate(states) if name}.items())[: len(COLOURS)])
+
+
+def _label(state, data, place):
+    """A state by its name and its load."""
+    if "Q" not in data:
+        return f"P = {quantity(data['P'][place], 'N/m', 4)}"
+    return f"{state}: Q = {quantity(data['Q'][place], 'N/m', 4)}"
+
+
+def _states(axis, data, name, words, unit, shown, reach):
+    """One field over x at the states shown. Lines, as a node is where they bend."""
+    length, metres = prefixed(reach, "m")
+    fields = data[name][list(shown.values())]
+    size, label = prefixed(np.abs(fields[:, np.abs(data["x"]) < reach]).max(), unit)
+    for i, field in enumerate(fields):
+        axis.plot(data["x"] / length, field / size, linestyle=DASHES[i], color=COLOURS[i])
+    axis.set(xlim=(-reach / length, reach / length), xlabel=f"position x [{metres}]", ylabel=f"{words} [{label}]")
+    if name == "slip":  # outside the contact it is no slip
+        inside = np.abs(data["x"]) < reach / 1.12
+        top = 1.1 * np.abs(fields[:, inside]).max() / size
+        axis.set(ylim=(-top, top) if top > 0 else None)
+
+
+def _density(axis, data, reach):
+    length, metres = prefixed(reach, "m")
+    density = data[DENSITY][-1] if data[DENSITY].ndim == 2 else data[DENSITY]
+    size, label = prefixed(np.abs(density).max(), "J/m²")
+    axis.plot(data["x"] / length, density / size, color=BLACK)
+    axis.set(xlim=(-reach / length, reach / length), xlabel=f"position x [{metres}]")
+    axis.set(ylabel=f"dissipated energy w [{label}]")
+
+
+def _loop(axis, narrow, rows, shown):
+    """Tangential load over the indenter's shift, and over the shift less its mean line, which opens a thin loop."""
+    first = max(sum(row["branch"] == "normal" for row in rows) - 1, 0)
+    Q, shift = (np.array([float(row[name]) for row in rows[first:]]) for name in ("Q[N/m]", "delta_x[m]"))
+    shift = shift - shift[0]
+    load, newton = prefixed(np.abs(Q).max(), "N/m")
+    size, metres = prefixed(np.abs(shift).max(), "m")
+    slope = Q @ shift / (Q @ Q) if Q.any() else 0.0
+    rest = shift - slope * Q
+    small, small_metres = prefixed(np.abs(rest).max(), "m")
+    for panel, values, unit in ((axis, shift, size), (narrow, rest, small)):
+        panel.plot(values / unit, Q / load, "-", color=GREY, lw=1)
+        for i, place in enumerate(shown.values()):
+            if place >= first:
+                panel.plot(values[place - first] / unit, Q[place - first] / load, "o", color=COLOURS[i])
+    axis.set(xlabel=f"shift δ_x of the indenter [{metres}]", ylabel=f"tangential load Q [{newton}]")
+    narrow.set(xlabel=f"δ_x less its mean line [{small_metres}]", ylabel=f"tangential load Q [{newton}]")
+
+
+def png(figure) -> bytes:
+    """The figure as PNG; it is closed."""
+    image = io.BytesIO()
+    figure.savefig(image, dpi=150)
+    plt.close(figure)
+    return image.getvalue()

@@ -1,0 +1,84 @@
+"""The coefficient of friction of a scene beside the critical one, above which rates of stick and slip are not unique.
+
+docs/critical_friction.md says what the bounds are bounds of.
+"""
+
+from functools import lru_cache
+from math import inf, isfinite
+
+from analytic import GradedHalfPlane, PowerLawKernel
+from analytic.half_plane.critical_friction import CriticalFriction, RateOperator, critical_friction, sliver_singular
+
+from ..scene.effects import Effects
+from ..scene.scene import Scene
+from ..solvers.condensed.system import CondensedSystem
+from .simulation import Simulation
+
+PLACES = 12  # of a sliver on the mesh
+LARGEST = 300  # surface nodes in contact for which the mesh's own bound is looked for
+
+
+def expected(scene: Scene, effects: Effects) -> CriticalFriction | None:
+    """Bounds for equal surface elements on the half-plane; None without coupling, where rates are always unique.
+
+    The patterns are as short as elements: of a coating the power law at its surface is taken.
+    """
+    return _of_half_plane(scene.k, scene.solid.nu) if "coupling" in effects else None
+
+
+@lru_cache
+def _of_half_plane(k, nu):
+    return critical_friction(RateOperator.of(PowerLawKernel(GradedHalfPlane(1.0, nu, k, 1.0))))
+
+
+def of_mesh(simulation: Simulation) -> float | None:
+    """Smallest mu known to leave the rates on the mesh of a finished run without a unique solution. On rank 0.
+
+    inf where none is known; None without coupling, without the condensed system, for too many nodes in contact, and
+    on other ranks.
+    """
+    system = simulation.solver.system
+    if simulation.body.mesh.comm.rank:
+        return None
+    closed = simulation.history.entries[-1].surface.pressure > 0
+    is_small = 3 <= closed.sum() <= LARGEST
+    if "coupling" not in simulation.effects or not isinstance(system, CondensedSystem) or not is_small:
+        return None
+    compliance, m = system.compliance.nodal(closed), int(closed.sum())
+    x, y = slice(m), slice(m, 2 * m)
+    blocks = (compliance[row, column] for row in (x, y) for column in (x, y))
+    return sliver_singular(RateOperator.from_compliance(*blocks), PLACES)[0]
+
+
+def describe(scene: Scene, critical: CriticalFriction) -> str:
+    """On which side of the bounds the scene lies."""
+    if not isfinite(critical.upper):
+        return f"mu = {scene.mu:g}, without a bound"
+    bounds = f"{critical.lower:.3g} and {critical.upper:.3g}"
+    if scene.mu <= critical.lower:
+        return f"mu = {scene.mu:g} is below the bounds {bounds}: rates of stick and slip are unique"
+    if scene.mu < critical.upper:
+        return f"mu = {scene.mu:g} is between the bounds {bounds}: rates of stick and slip are not known to be unique"
+    return f"mu = {scene.mu:g} is above the bounds {bounds}: rates of stick and slip are not unique"
+
+
+def numbers(critical: CriticalFriction | None) -> dict[str, float | str | None]:
+    """For summary.json: ``lower`` and ``upper``, None where there is no bound, and the ``pattern`` of the upper one."""
+    values = vars(critical or CriticalFriction(inf, inf, ""))
+    return {name: None if value == inf else value for name, value in values.items()}
+
+
+def cause(simulation: Simulation) -> str:
+    """Why tractions may go up and down from node to node, and what can be done; "" without coupling. On rank 0."""
+    scene = simulation.scene
+    critical = expected(scene, simulation.effects)
+    if critical is None:
+        return ""
+    own = of_mesh(simulation)
+    if own is None:
+        return describe(scene, critical)
+    if scene.mu >= own:
+        side = f"above {own:.3g}, from where on Coulomb's law has no unique rate solution on this mesh"
+    else:
+        side = f"below {own:.3g}, up to where no second rate solution of Coulomb's law is known on this mesh"
+    return f"mu = {scene.mu:g} is {side}"

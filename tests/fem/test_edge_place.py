@@ -1,0 +1,33 @@
+"""The place of an edge in its facet at which the rule of the surface nodes misses nothing of a root."""
+
+import mpmath
+import numpy as np
+import pytest
+
+from simulations.fem.edge_place import RULES, best_place, missed, zeta
+
+
+@pytest.mark.parametrize("power", [0.05, 0.5, 0.95])
+def test_the_zeta_function(power):
+    t = np.array([0.01, 0.3, 1.0])
+    assert zeta(power, t) == pytest.approx([float(mpmath.zeta(-power, value)) for value in t], abs=1e-8)
+
+
+@pytest.mark.parametrize("degree", [1, 2, 3])
+@pytest.mark.parametrize("k", [-0.5, 0.0, 0.7])
+def test_nothing_is_missed_at_the_best_place(degree, k):
+    """The rule on 300 facets, of a function that ends like a root at the edge and smoothly at the other end."""
+    place, beta, count = best_place(degree, k), (1 + k) / 2, 300
+    nodes, weights = RULES[degree]
+
+    def error(t):
+        x = (np.arange(count)[:, None] + np.array(nodes)).ravel()
+        depth = (count - 1 + t - x) / count
+        inside = np.clip(depth, 0.0, None)
+        values = inside**beta * np.clip(1 - inside, 0.0, None) ** 10
+        exact = float(mpmath.beta(1 + beta, 11))
+        return float(np.tile(weights, count) @ values) / count - exact
+
+    scale = count ** -(1 + beta)
+    assert abs(error(place)) < 0.01 * scale
+    assert error(0.5) == pytest.approx(float(missed(degree, k, 0.5)) * scale, abs=0.01 * scale)

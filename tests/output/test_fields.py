@@ -1,0 +1,218 @@
+"""Fields of the body: against stresses that share nothing with the finite elements, and read back by other tools."""
+
+import csv
+
+import h5py
+import numpy as np
+import pandas
+import pytest
+import ufl
+from running import coarse_arguments, run_command
+from dolfinx import fem
+from mpi4py import MPI
+from solving import coarse_simulation
+
+from simulations import fretting
+from simulations.fem.body_sample import BodySampler
+from simulations.output.body_quantities import from_stress
+from simulations.output.body_states import body_functions
+from simulations.scene import SceneError
+from simulations.scene.output import FIELDS
+
+UNCOUPLED = {"effects__coupling": "false", "load__cycles": 0}
+FINER = {"mesh__facet": 0.05, "mesh__growth": 1.3, "mesh__layer_growth": 1.3}
+
+
+def gauss(low, high, count=200):
+    """Nodes and weights on low ... high, close together at the ends, where tractions have roots and kinks."""
+    t, weights = np.polynomial.legendre.leggauss(count)
+    middle, half = (low + high) / 2, (high - low) / 2
+    return middle + half * np.sin(np.pi / 2 * t), half * weights * np.pi / 2 * np.cos(np.pi / 2 * t)
+
+
+def line_force_stress(solid, x, y, is_normal):
+    """xx, yy, xy (3, ...) below a line force of 1 along +y or +x at 0; y is the depth.
+
+    The stress is radial and ~ cos^k(theta) cos or sin(beta theta)/r; its size follows from equilibrium of a half circle
+    alone, and beta is the only number of the solid.
+    """
+    k, beta, shape = solid.k, solid.beta, np.cos if is_normal else np.sin
+    t, weights = gauss(-np.pi / 2, np.pi / 2)
+    size = weights @ (np.cos(t) ** k * shape(beta * t) * (np.cos(t) if is_normal else np.sin(t)))
+    r, theta = np.hypot(x, y), np.arctan2(x, y)
+    radial = -(np.cos(theta) ** k) * shape(beta * theta) / (r * size)
+    return np.stack([radial * np.sin(theta) ** 2, radial * np.cos(theta) ** 2, radial * np.sin(theta) * np.cos(theta)])
+
+
+def stress_below(simulation, x, y):
+    """xx, yy, xy, zz (n, 4) below the closed forms (44) and (47) of p and q at +Q_A."""
+    loop, total = simulation.loop, 0.0
+    for ends in ((-loop.a, -loop.c), (-loop.c, loop.c), (loop.c, loop.a)):
+        xi, weights = gauss(*ends)
+        for load, is_normal in ((loop.contact.pressure(xi), True), (loop.traction(xi, loop.Q_A, "initial"), False)):
+            unit = line_force_stress(loop.contact.solid, x[:, None] - xi, y[:, None] + 0 * xi, is_normal)
+            total = total + unit @ (load * weights)
+    xx, yy, xy = total
+    return np.stack([xx, yy, xy, simulation.scene.solid.nu * (xx + yy)], axis=1)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {},
+        {"solid__k": -0.3, "solid__nu": 0.3} | UNCOUPLED,
+        {"solid__k": 0.7, "solid__nu": 0.2} | UNCOUPLED,
+        {"solid__k": 0, "solid__nu": 0.5},
+    ],
+    ids=["Holl ratio", "k < 0", "k = 0.7", "mixed form"],
+)
+def test_stress_against_line_forces(changes):
+    """Second order in the mesh: within 0.3 % of the largest stress with these cells, 1 % with twice as large ones."""
+    simulation = coarse_simulation(**(FINER | changes | {"load__cycles": 0})).run_to_end()
+    sample = BodySampler(simulation.numbering).sample()
+    x, y = np.concatenate([[np.linspace(-2, 2, 21), np.full(21, 0.5)], [np.full(15, 0.3), np.linspace(0.1, 3, 15)]], 1)
+    expected = stress_below(simulation, x, y)
+    assert np.abs(sample.stress_at(x, y) - expected).max() < 4e-3 * np.abs(expected).max()
+
+
+def test_what_follows_from_the_stress():
+    """Against eigenvalues, the deviator and half of stress times strain, for stresses of any sign."""
+    rng = np.random.default_rng(1)
+    nu, young = 0.3, 2e11
+    stress = rng.normal(size=(50, 4)) * 1e8
+    stress[:, 3] = nu * (stress[:, 0] + stress[:, 1])
+    found = from_stress(stress, young, nu)
+    assert set(found) == set(FIELDS) - {"displacement"}
+    for i, (xx, yy, xy, zz) in enumerate(stress):
+        tensor = np.array([[xx, xy, 0], [xy, yy, 0], [0, 0, zz]])
+        low, middle, high = np.linalg.eigvalsh(tensor)
+        values = [found[f"principal_{n}"][i] for n in (1, 2, 3)]
+        assert values == pytest.approx([high, middle, low], abs=1e-6)
+        assert found["max_shear"][i] == pytest.approx((high - low) / 2)
+        deviator = tensor - np.trace(tensor) / 3 * np.eye(3)
+        assert found["von_mises"][i] == pytest.approx(np.sqrt(1.5 * np.sum(deviator**2)))
+        strain = ((1 + nu) * tensor - nu * np.trace(tensor) * np.eye(3)) / young
+        assert abs(strain[2, 2]) < 1e-12  # plane strain
+        assert found["energy_density"][i] == pytest.approx(np.sum(tensor * strain) / 2)
+
+
+LINES = {"output__lines": "[[0, 0, 0, 2e-3, 5], [-1e-3, 1e-4, 1e-3, 1e-4, 7]]", "output__points": "[[1e-4, 2e-4]]"}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("run")
+    fretting.main([*coarse_arguments(folder, **LINES), "--quiet"])
+    return folder
+
+
+def test_functions_of_dolfinx(folder):
+    """The gradient of the displacement that is given back, times E, is in the mean of each cell the stress: to 2 % as
+    the file's mean is over Gauss points; both are where they belong.
+    """
+    fields = body_functions(folder, "A")
+    u, mesh = fields["displacement"], fields["displacement"].function_space.mesh
+    assert u.function_space.element.basix_element.degree == 2
+    y, nu = ufl.SpatialCoordinate(mesh)[1], 1 / 2.3
+    E = 210e9 * (-y / y0(folder)) ** 0.3
+    strain = ufl.sym(ufl.grad(u))
+    stress = E / (1 + nu) * (strain + nu / (1 - 2 * nu) * ufl.tr(strain) * ufl.Identity(2))
+    constants = fields["stress_xx"].function_space
+    test, dx = ufl.TestFunction(constants), ufl.dx(metadata={"quadrature_degree": 6})
+    area = fem.assemble_vector(fem.form(test * dx)).array
+    depth = -fem.assemble_vector(fem.form(y * test * dx)).array / area
+    inside = area * ((depth > 2e-4) & (depth < 3e-3))
+    for name, component in (("stress_xx", stress[0, 0]), ("stress_yy", stress[1, 1]), ("stress_xy", stress[0, 1])):
+        mean, written = fem.assemble_vector(fem.form(component * test * dx)).array / area, fields[name].x.array
+        assert inside @ (mean - written) ** 2 < 0.02**2 * (inside @ written**2), name
+
+
+def y0(folder):
+    lines = (folder / "scene.toml").read_text().splitlines()
+    return float(next(line.partition("=")[2] for line in lines if line.startswith("y0 =")))
+
+
+INTEGRALS = """
+import sys, ufl
+from dolfinx import fem
+from mpi4py import MPI
+from simulations.output.body_states import body_functions
+fields = body_functions(sys.argv[1], "E", MPI.COMM_WORLD)
+u = fields["displacement"]
+for value in (u[0] ** 2, u[1], fields["stress_xy"] ** 2):
+    total = MPI.COMM_WORLD.allreduce(fem.assemble_scalar(fem.form(value * ufl.dx)))
+    MPI.COMM_WORLD.rank or print(total)
+"""
+
+
+def test_functions_on_more_ranks(folder, tmp_path):
+    """The same integrals on three ranks as on one."""
+    (tmp_path / "integrals.py").write_text(INTEGRALS)
+    found = [run_command(folder, ranks=ranks, cwd=tmp_path, module="integrals").stdout.split() for ranks in (1, 3)]
+    one, three = (np.array(values, float) for values in found)
+    assert len(one) == 3 and three == pytest.approx(one, rel=1e-10)
+
+
+def test_vtkhdf_has_what_the_states_have(folder):
+    """Its links lead to the data of every state, in the order of the XDMF series."""
+    with h5py.File(folder / "fields.vtkhdf") as file:
+        vtk = file["VTKHDF"]
+        times, points = vtk["Steps/Values"][...], vtk["NumberOfPoints"][0]
+        assert vtk.attrs["Type"] == b"UnstructuredGrid" and vtk["Points"].shape == (points, 3)
+        assert vtk["Offsets"][-1] == vtk["Connectivity"].size == 9 * vtk["NumberOfCells"][0]
+        for name in FIELDS:
+            centre = "PointData" if name == "displacement" else "CellData"
+            offsets = [*vtk[f"Steps/{centre}Offsets/{name}"][...], None]
+            for path, start, stop in zip(sorted((folder / "fields").glob("0*.h5")), offsets, offsets[1:]):
+                with h5py.File(path) as state:
+                    assert np.array_equal(vtk[f"{centre}/{name}"][start:stop], state[name][...])
+    assert times == pytest.approx([1, 2, 2.5, 3, 3.5, 4, 6])
+
+
+def test_lines(folder):
+    """A row a point and state; stresses at a point are near those of its cell; sigma_yy = -p, sigma_xy = q at y = 0."""
+    table = pandas.read_csv(folder / "lines.csv")
+    assert list(table["along"].unique()) == ["line 1", "line 2", "point 1"]
+    assert len(table) == 7 * (5 + 7 + 1) and list(table["state"].unique()) == ["normal", "A", "B", "C", "D", "E"]
+    assert {f"{name}[Pa]" for name in FIELDS[1:-1]} < set(table.columns)
+    top = table[(table["depth[m]"] == 0) & (table["increment"] == 2)]
+    with h5py.File(folder / "surface.h5") as file:
+        middle = np.abs(file["x"][...]).argmin()
+        pressure, traction = file["pressure"][2, middle], file["traction"][2, middle]
+    assert top["stress_yy[Pa]"].item() == pytest.approx(-pressure, rel=5e-3)
+    assert top["stress_xy[Pa]"].item() == pytest.approx(traction, rel=5e-2)
+
+
+@pytest.mark.parametrize("degree", [1, 3])
+def test_other_degrees(degree, tmp_path):
+    changes = {"mesh__degree": degree, "load__cycles": 0, "output__fields": '["displacement", "stress_yy"]'}
+    fretting.main([*coarse_arguments(tmp_path, **changes), "--quiet"])
+    fields = body_functions(tmp_path, "A")
+    assert set(fields) == {"displacement", "stress_yy"}
+    assert fields["displacement"].function_space.element.basix_element.degree == degree
+    y = fields["displacement"].function_space.mesh.geometry.x[:, 1]
+    assert y.max() == 0.0
+    with open(tmp_path / "history.csv", newline="") as file:
+        delta = float(list(csv.DictReader(file))[-1]["delta_y[m]"])
+    assert fields["displacement"].x.array[1::2].min() == pytest.approx(-delta, rel=1e-2)
+
+
+def test_half_a_body_is_mirrored():
+    """Without a tangential load the mesh is the half x > 0; points at x < 0 are answered all the same."""
+    text = "solid.E0 = 2e11\nsolid.k = 0.3\nsolid.nu = 0.3\nsolid.y0 = 0.01\nindenter.R = 0.1\nload.P = 1e6\n"
+    sample = BodySampler(coarse_simulation(text).run_to_end().numbering).sample()
+    assert sample.is_half
+    x, y = np.array([0.4, -0.4]), np.array([0.3, 0.3])
+    (xx, yy, xy, zz), left = sample.stress_at(x, y)
+    assert left == pytest.approx([xx, yy, -xy, zz]) and xy != 0
+    right, left = sample.displacement_at(x, y)
+    assert left == pytest.approx(right * [-1, 1])
+
+
+@pytest.mark.parametrize("states, found", [('"all"', list(range(7))), ('["C"]', [4]), ('["normal", "A"]', [0, 2, 10])])
+def test_states_that_are_asked_for(states, found, tmp_path):
+    fretting.main([*coarse_arguments(tmp_path, output__states=states, reference__kind='"none"'), "--quiet"])
+    kept = [int(path.stem) for path in sorted((tmp_path / "fields").glob("0*.h5"))]
+    assert kept[: len(found)] == found and (len(kept) == 11 or kept == found)
+    with pytest.raises(SceneError, match="no fields of state 'F': there are"):
+        body_functions(tmp_path, "F", MPI.COMM_SELF)
