@@ -126,7 +126,7 @@ def _with_friction(u, t, delta, p, tractions, nitsche, friction, clearance=None)
         limiting = ufl.conditional(ufl.gt(friction.is_lagged, 0.5), friction.lagged_pressure, p)
     s = contact.relative_displacement(u, delta)  # (F6)
     if friction.stretch is not None:
-        s += friction.stretch
+        s += friction.stretch  # (F6)
     trial = contact.trial_traction(t, s, friction.anchor, gamma, friction.elastic)
     limit = friction.mu * limiting
     sliding = contact.slides(trial, limit, friction.slid)

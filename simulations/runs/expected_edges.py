@@ -18,7 +18,7 @@ APART = 0.005  # edges closer than this (over the half-width) are one
 FACETS = 3  # from a stop to the next, so that both can be placed in theirs
 SAMPLES = 200  # of q, for its norm
 MOST = 30  # edges on either side
-FINER_WITH_STRAIN = 4.0  # facets on the ways of the edges of stick: traction to 2e-3 at every state for k >= 0
+FINER_WITH_STRAIN = 6.0  # facets on the ways of the edges of stick, for the traction between the turns of Q
 STOP = 2.0, 4.0  # error of q that a stop may cost (limits.expected_error) over facet², for k >= 0 and k < 0
 FIRST = 3  # facets, either side, in the contact of the first increment with friction
 
@@ -116,7 +116,8 @@ def _with_strain(scene, scaled, effects, loads):
         loop, a = scene.stretched_loop, scene.half_width
         ends = np.abs([loop.shift + loop.c, loop.shift - loop.c]) / a
         inner = 0.0 if abs(loop.shift) < loop.c else ends.min()
-        return ExpectedEdges(_several([*ends, 1.0]), stick_way=(float(inner), 1.0), fineness=FINER_WITH_STRAIN)
+        way = float(inner), 1.0
+        return ExpectedEdges(_several([*ends, 1.0]), stick_way=way, exact=True, fineness=FINER_WITH_STRAIN)
     try:
         states = half_plane_solver(scene, scaled, effects, NODES).run(loads)
     except (RuntimeError, ValueError):

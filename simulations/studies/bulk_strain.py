@@ -33,7 +33,7 @@ def main(arguments: list[str]):
 
 def tractions():
     """q over x at three states, with strain and without, one panel an exponent."""
-    note = f"closed form, uncoupled; ν = {NU:g}, Q_A = {AMPLITUDE:g} μP, μ = {MU:g}; solid: strain {STRAIN:g}; dashed: 0"
+    note = f"closed form, uncoupled; ν = {NU:g}, Q_A = {AMPLITUDE:g} μP, μ = {MU:g}; solid: ε = {STRAIN:g}; dashed: 0"
     figure, axes = panels(len(EXPONENTS), "Traction through the cycle with bulk strain", note, 1, width=4.2, height=3.4)
     for axis, k in zip(axes.flat, EXPONENTS, strict=True):
         for colour, (state, (share, branch)) in enumerate(STATES.items()):
