@@ -72,7 +72,7 @@ class FieldWriter:
             if self._lines.x.size:
                 self._lines.keep(file, self._along_lines(sample))
         numbers = [n for n in range(number + 1) if self.wants(n)]
-        self._index.write(numbers, self.times[numbers].tolist())
+        self._index.write(numbers, [float(self.times[n]) for n in numbers])
 
     def write_lines(self, done: int):
         """lines.csv, of the states kept so far among ``done`` load steps. On rank 0."""
