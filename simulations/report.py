@@ -19,17 +19,18 @@ from .scene import SceneError, parse, shown
 from .studies.body_stress import draw
 
 PAGE = "report.html"
+SHOWN_STATES = 6  # of the body
 STYLE = """body{font:15px/1.45 sans-serif;max-width:64em;margin:2em auto;padding:0 1em;color:#222}
 h1{font-size:1.5em}h2{font-size:1.1em;margin:1.2em 0 .2em}p{margin:.3em 0}
 table{border-collapse:collapse;margin:.3em 0;width:100%}td,th{border-bottom:1px solid #ddd;text-align:left}
 td,th{padding:.12em .8em .12em 0}td.n,th.n{text-align:right;font-variant-numeric:tabular-nums;white-space:nowrap}
 pre{background:#f5f5f5;padding:.8em;white-space:pre-wrap}
-img{width:100%;margin:.3em 0}img.beside{max-height:30em;width:auto;max-width:100%}.bad{color:#a00;font-weight:bold}
+img{width:100%;margin:.3em 0}img.beside{max-height:42em;width:auto;max-width:100%}.bad{color:#a00;font-weight:bold}
 .small{color:#555;font-size:.9em}details table{font-size:.8em}
 @page{size:A4;margin:12mm 14mm}
 @media print{body{font-size:10.5px;line-height:1.3;margin:0;padding:0;max-width:none}details{display:none}
 h2{break-after:avoid}img,tr{break-inside:avoid}.second{break-before:page}
-img.beside{max-height:90mm}}"""
+img.beside{max-height:76mm}}"""
 
 
 def main(arguments: list[str]):
@@ -141,9 +142,11 @@ def _surface(folder, rows):
 
 def _body(folder, rows):
     """Von Mises stress below the contact at the recorded states; nothing where the run has none."""
-    if not (folder / "fields.xdmf").is_file():
+    try:
+        states = {state.label.partition(",")[0]: state for state in read_states(folder)}
+    except SceneError:  # no fields, or other ones were asked for
         return ""
-    states = {state.label.partition(",")[0]: state for state in read_states(folder)}
+    states = dict(list(states.items())[:SHOWN_STATES])
     half_width = float(rows[-1]["a[m]"])
     with style():
         lines = -(-len(states) // 3)

@@ -34,6 +34,11 @@ class SurfaceState:
         """u_x - delta_x as friction sees it, less the elastic slip -c q, (n,)."""
         return self.u[X] - self.neglected - self.delta[X] + self.elastic * self.traction
 
+    @property
+    def elastic_energy(self) -> float:
+        """Stored by elastic slip,  ∫ c q²/2 dx ."""
+        return self.elastic * self.line_load(self.traction**2) / 2
+
     def line_load(self, values) -> float:
         """Integral of nodal values over the surface."""
         return float(self.weight @ values)

@@ -11,7 +11,7 @@ from .page_words import prefixed, quantity
 from .style import BLACK, BLUE, COLOURS, GREY, style
 
 WIDTH = 10.5  # inches, which the page shows as wide as itself
-DENSITY = "dissipated_energy_density"  # of surface.h5 [J/m^2]
+DENSITY = "frictional_work_of_cycle"  # of surface.h5 [J/m^2]
 DASHES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)))
 
 
@@ -68,9 +68,9 @@ def _named(states) -> dict[str, int]:
 
 def _label(state, data, place):
     """A state by its name and its load."""
-    if "Q" not in data:
-        return f"P = {quantity(data['P'][place], 'N/m', 4)}"
-    return f"{state}: Q = {quantity(data['Q'][place], 'N/m', 4)}"
+    if "Q_prescribed" not in data:
+        return f"P = {quantity(data['P_prescribed'][place], 'N/m', 4)}"
+    return f"{state}: Q = {quantity(data['Q_prescribed'][place], 'N/m', 4)}"
 
 
 def _states(axis, data, name, words, unit, shown, reach):
@@ -89,17 +89,17 @@ def _states(axis, data, name, words, unit, shown, reach):
 
 def _density(axis, data, reach):
     length, metres = prefixed(reach, "m")
-    density = data[DENSITY][-1] if data[DENSITY].ndim == 2 else data[DENSITY]
+    density = data[DENSITY]
     size, label = prefixed(np.abs(density).max(), "J/m²")
     axis.plot(data["x"] / length, density / size, color=BLACK)
     axis.set(xlim=(-reach / length, reach / length), xlabel=f"position x [{metres}]")
-    axis.set(ylabel=f"dissipated energy w [{label}]")
+    axis.set(ylabel=f"energy of the cycle w [{label}]")
 
 
 def _loop(axis, narrow, rows, shown):
     """Tangential load over the indenter's shift, and over the shift less its mean line, which opens a thin loop."""
     first = max(sum(row["branch"] == "normal" for row in rows) - 1, 0)
-    Q, shift = (np.array([float(row[name]) for row in rows[first:]]) for name in ("Q[N/m]", "delta_x[m]"))
+    Q, shift = (np.array([float(row[name]) for row in rows[first:]]) for name in ("Q_prescribed[N/m]", "delta_x[m]"))
     shift = shift - shift[0]
     load, newton = prefixed(np.abs(Q).max(), "N/m")
     size, metres = prefixed(np.abs(shift).max(), "m")

@@ -2,7 +2,7 @@
 
 from ..scene import Scene
 from ..scene.effects import Effects
-from ..scene.tables import Fretting, Path
+from ..scene.tables import Fretting, Path, RoundedFlat
 
 PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
 QUANTITIES = {  # key of summary.json: name, unit
@@ -60,9 +60,10 @@ def _indenter(scene: Scene) -> str:
     words = {"power": f"x^{getattr(indenter, 'exponent', 2):g} profile", "formula": "profile"}
     name = f"A rigid {words.get(indenter.profile, indenter.profile)}"
     parts = [f"f(x) = {indenter.formula} in metres"] if indenter.profile == "formula" else []
-    for key, word in (("R", "radius"), ("flat", "half-width of the flat")):
-        if getattr(indenter, key, None) is not None:
-            parts.append(f"{'R =' if indenter.profile == 'formula' else word} {quantity(getattr(indenter, key), 'm')}")
+    if indenter.R is not None:
+        parts.append(f"{'R =' if indenter.profile == 'formula' else 'radius'} {quantity(indenter.R, 'm')}")
+    if isinstance(indenter, RoundedFlat):
+        parts.append(f"half-width of the flat {quantity(indenter.flat, 'm')}")
     return f"{name} ({', '.join(parts)})"
 
 
@@ -72,7 +73,7 @@ def _solid(scene: Scene) -> str:
     if solid.modulus == "homogeneous":
         return f"a homogeneous half-plane of modulus {E0} and {poisson}"
     if "power" in solid.modulus:
-        law = f"whose modulus is E = {E0} (y / {quantity(solid.y0, 'm')})^{solid.k:g} at the depth y"
+        law = f"whose modulus is E = {E0} (y / {quantity(scene.half_plane.y0, 'm')})^{solid.k:g} at the depth y"
     else:
         deep = quantity(solid.E_substrate, "Pa")
         law = f"with a coating whose modulus goes from {E0} to {deep} ({solid.modulus})"

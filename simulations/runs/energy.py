@@ -64,8 +64,7 @@ class EnergyMeter:
         body.stiffness.mult(u, force)
         far = body.fixed_dofs[body.fixed_dofs < u.local_size]
         now = {
-            "stored": body.symmetry_factor * u.dot(force) / 2
-            + surface.line_load(surface.elastic * surface.traction**2 / 2),
+            "stored": body.symmetry_factor * u.dot(force) / 2 + surface.elastic_energy,
             "boundary": (body.symmetry_factor * force.array_r[far], u.array_r[far].copy()),
             "indenter": (np.array(load.load.components), surface.delta),
             "stretching": (surface.weight * surface.traction, load.load.strain * surface.x),

@@ -75,7 +75,7 @@ class Simulation(Meshed):
             frictional = None
             if scene.friction:
                 directions = (X, Y) if "coupling" in self.effects else (X,)
-                elastic = self.scaled.elastic_compliance(scene) if "elastic slip" in self.effects else 0.0
+                elastic = self.scaled.elastic_compliance(scene) if "elastic slip (regularised)" in self.effects else 0.0
                 frictional = ContactProblem(self.body, indenter.height, nitsche, directions, self.mu, elastic)
         self.solver = LoadStepping(
             normal, frictional, self._system, "friction in normal stage" in self.effects, tolerance

@@ -187,7 +187,7 @@ add(
     Effect("friction", friction, keeps_reference=True),
     Effect("symmetry", symmetry, keeps_reference=True),
     Effect("coupling", coupling, keeps_reference=True),
-    Effect("elastic slip", elastic_slip),
+    Effect("elastic slip (regularised)", elastic_slip),
     Effect("friction in normal stage", friction_in_normal_stage, keeps_reference=True),
     Effect("incompressibility", incompressibility, keeps_reference=True),
     Effect("load schedule", load_schedule, keeps_reference=True),
