@@ -61,7 +61,7 @@ def shifts():
     axes.flat[0].set(xlabel="strain at $Q_A$ [10⁻³]", ylabel="shift $e/a$ [–]", title="as far as the closed form holds")
     axes.flat[0].legend(fontsize=7)
     exponents = np.linspace(-0.7, 0.8, 76)
-    stretched = [loop(float(k), 5e-5) for k in exponents]
+    stretched = [loop(value, 5e-5) for value in exponents]
     axes.flat[1].plot(exponents, [one.shift / one.loop.a for one in stretched])
     axes.flat[1].set(xlabel="exponent $k$ [–]", ylabel="shift $e/a$ [–]", title="strain 5·10⁻⁵", yscale="log")
     return figure
