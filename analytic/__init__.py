@@ -1,10 +1,11 @@
 """Closed-form plane-strain contact and fretting of power-law graded half-planes.
 
 Numbers in brackets are the equations of Heß, Giesa, Riechert, Wilhayn, Appl. Sci. 2026, 16(1), 473;
-[X1] ... [X6] mark results beyond the paper. docs/equations.md lists where each is found and tested.
+[X1] ... [X7] mark results beyond the paper. docs/equations.md lists where each is found and tested.
 """
 
 from .abel import PunchSuperposition
+from .bulk_strain import StretchedLoop, StretchedPartialSlip
 from .checks import UndefinedDisplacementError
 from .coupled import CoupledLoop
 from .cylinder import CylinderContact
@@ -39,6 +40,8 @@ __all__ = [
     "ProfileContact",
     "PunchSuperposition",
     "SpringPath",
+    "StretchedLoop",
+    "StretchedPartialSlip",
     "UndefinedDisplacementError",
     "UniformShift",
     "contact_edges",

@@ -65,7 +65,7 @@ class FrettingLoop:
 
     def active_half_width(self, Q, branch):
         """Half-width d of the zone that has stuck since the last turn [length], [X5]."""
-        return self._step(Q, branch).c
+        return self.step(Q, branch).c
 
     def traction(self, x, Q, branch):
         """Tangential traction [stress] at the load Q on a branch, [X5]."""
@@ -85,13 +85,13 @@ class FrettingLoop:
 
     def _state(self, Q, branch, field):
         """Field at Q: that of the last turn of the load plus twice that of half the step since."""
-        step = self._step(Q, branch)
+        step = self.step(Q, branch)
         if branch == "initial":
             return field(step)
         turn = 1 if branch == "unloading" else -1
         return turn * field(self.amplitude) + 2 * field(step)
 
-    def _step(self, Q, branch):
+    def step(self, Q, branch):
         """Partial slip under Q on the initial branch, else under half the step since the turn."""
         Q_A = self.Q_A
         branches = {"initial": (0.0, Q_A), "unloading": (Q_A, -Q_A), "reloading": (-Q_A, Q_A)}

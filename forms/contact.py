@@ -28,6 +28,11 @@ def relative_displacement(u, delta):
     return u[X] - delta[X]
 
 
+def stretch(strain, x):
+    """What a uniform strain of the body adds to s:  eps x , [X7]; it does no work on the deviation u from it."""
+    return strain * x
+
+
 def contact_pressure(traction, gap, gamma):
     """p = [ t_y - gamma gap ]_+ ."""
     trial = traction[Y] - gamma * gap

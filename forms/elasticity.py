@@ -22,6 +22,11 @@ def stress(modulus_times_gradient, nu, pi=None):
     return pi * ufl.Identity(2) + 2.0 * shear * strain
 
 
+def stretching_stress(young, nu, strain):
+    """Stress (2, 2) of a uniform strain along x under a free surface:  sigma_xx = E eps/(1 - nu²) alone, [X7]."""
+    return ufl.as_matrix([[young * strain / (1.0 - nu**2), 0.0], [0.0, 0.0]])
+
+
 def virtual_work(u, v, modulus, nu, depth: DepthMap, s, correction=1.0, pi=None):
     """Integrand of  ∫ sigma(u) : eps(v) dx dy  on the ``(x, s)`` mesh.
 

@@ -60,6 +60,7 @@ class Friction:
 
     mu; anchor: where a point last came to rest; slid: where it slid in the last Newton iterate (``contact.slides``);
     all_stick: 1 in the predictor; is_lagged: 1 where friction is limited by lagged_pressure, None where there is none;
+    stretch: tangential displacement of the surface beside u (``contact.stretch``), None without bulk strain.
     elastic: compliance of elastic slip, a length over a stress, None without.
     """
 
@@ -69,6 +70,7 @@ class Friction:
     all_stick: Any
     is_lagged: Any = None
     lagged_pressure: Any = None
+    stretch: Any = None
     elastic: Any = None
 
 
@@ -123,6 +125,8 @@ def _with_friction(u, t, delta, p, tractions, nitsche, friction, clearance=None)
     if friction.is_lagged is not None:
         limiting = ufl.conditional(ufl.gt(friction.is_lagged, 0.5), friction.lagged_pressure, p)
     s = contact.relative_displacement(u, delta)  # (F6)
+    if friction.stretch is not None:
+        s += friction.stretch  # (F6)
     trial = contact.trial_traction(t, s, friction.anchor, gamma, friction.elastic)
     limit = friction.mu * limiting
     sliding = contact.slides(trial, limit, friction.slid)

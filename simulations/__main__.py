@@ -15,6 +15,7 @@ COMMANDS = {  # name: module, its arguments, what it does
     "body_stress": ("studies.body_stress", "DIR", "stress in the body at the states of a run"),
     "claims": ("studies.claims", "", "the paper's sentences, decided by numbers"),
     "cost": ("studies.cost", "", "error against seconds"),
+    "bulk_strain": ("studies.bulk_strain", "", "what bulk strain does to traction and stick zone"),
     "coupling": ("studies.coupling", "", "what coupling changes"),
     "critical_friction": ("studies.critical_friction", "", "friction above which slip is not unique"),
     "figures": ("studies.figures", "NAME", "the paper's figures"),

@@ -37,6 +37,8 @@ HALVINGS = 4  # of an increment, one after the other
 class HalfPlaneContact:
     """Rigid profile f(x) under loads P and Q on a half-plane, f + u_y - delta_y >= 0, |q| <= mu p.
 
+    The half-plane may also be stretched by a uniform strain along x, which is then part of u_x [X7].
+
     solid: a GradedHalfPlane or any SurfaceKernel. profile: has ``height(x)`` [length], convex with its tip at x = 0,
     and if need be ``flat`` and ``order`` like a Profile or PowerProfile, which tell where it is not smooth.
     mu: friction coefficient. coupling: False leaves out the coupling kernel, the approximation of the closed forms.
@@ -58,57 +60,60 @@ class HalfPlaneContact:
         """Surface kernel of the solid."""
         return PowerLawKernel(self.solid) if isinstance(self.solid, GradedHalfPlane) else self.solid
 
-    def run(self, loads: Iterable[tuple[float, float]]) -> list[ContactState]:
-        """State after every load (P, Q) of ``loads``, starting from no contact; see ``increments``."""
+    def run(self, loads: Iterable[tuple[float, ...]]) -> list[ContactState]:
+        """State after every load (P, Q) or (P, Q, strain), starting from no contact; see ``increments``."""
         return list(self.increments(loads))
 
-    def increments(self, loads: Iterable[tuple[float, float]]) -> Iterator[ContactState]:
+    def increments(self, loads: Iterable[tuple[float, ...]]) -> Iterator[ContactState]:
         """States one by one.
 
         Raises ValueError for P <= 0, |Q| >= mu P or a first Q != 0; ContactNotConverged, with the reason.
         """
         memory, normal_stage = None, True
-        for P, Q in loads:
+        for P, Q, *rest in loads:
+            strain = rest[0] if rest else 0.0
             if not P > 0 or not (Q == 0 or abs(Q) < self.mu * P):
                 raise ValueError(f"P = {P!r}, Q = {Q!r}: needs P > 0 and |Q| < mu P, mu = {self.mu!r}")
             if memory is None:
                 if Q != 0:
                     raise ValueError(f"Q = {Q!r} at first contact: the first load has Q = 0")
                 memory = Memory(None, Layout.first(self._guessed_half_width(P), self._corners))
-            normal_stage = normal_stage and Q == 0
-            memory = self._reached(memory, P, Q, normal_stage)
+            normal_stage = normal_stage and Q == 0 and strain == 0
+            memory = self._reached(memory, (P, Q, strain), normal_stage)
             yield memory.state
 
-    def _reached(self, memory, P, Q, normal_stage, halvings=HALVINGS):
-        """Memory of the load (P, Q), reached in two halves should one step fail."""
+    def _reached(self, memory, load, normal_stage, halvings=HALVINGS):
+        """Memory of the load (P, Q, strain), reached in two halves should one step fail."""
         try:
-            return self._advance(memory, P, Q, normal_stage)
+            return self._advance(memory, load, normal_stage)
         except ContactNotConverged:
             if not halvings:
                 raise
-        before = (memory.state.P, memory.state.Q) if memory.state else (0.0, 0.0)
-        half = self._reached(memory, (before[0] + P) / 2, (before[1] + Q) / 2, normal_stage, halvings - 1)
-        return self._reached(half, P, Q, normal_stage, halvings - 1)
+        before = memory.state.load if memory.state else (0.0, 0.0, 0.0)
+        middle = tuple((b + a) / 2 for b, a in zip(before, load, strict=True))
+        half = self._reached(memory, middle, normal_stage, halvings - 1)
+        return self._reached(half, load, normal_stage, halvings - 1)
 
-    def _advance(self, memory, P, Q, normal_stage):
+    def _advance(self, memory, load, normal_stage):
         """Solves on nodes that follow the edges until these rest: with half of the nodes first, then with all."""
+        P, Q, _ = load
         k = self.kernel.k
         mu = self.mu if self.friction_in_normal_stage or not normal_stage else 0.0
-        layout, old_edges = memory.layout, memory.edges_left_behind(Q)
+        layout, old_edges = memory.layout, memory.edges_left_behind(load)
         fine, solution, iterations, motion = 0, None, 0, np.inf
         settled = SETTLED * first_distance(self.nodes, k)
         for number in range(PASSES):
-            operator, solution = self._solved(layout, fine > 0, fine > 0, memory, mu, P, Q, solution)
+            operator, solution = self._solved(layout, fine > 0, fine > 0, memory, mu, load, solution)
             iterations += solution.iterations
             new = layout.of(solution, mu, k, old_edges)
             last_motion, motion = motion, new.distance(layout)
             if fine and motion < (SOUGHT if fine > 2 * PATIENCE else settled):
-                return self._remember(memory, new, operator, solution, P, Q, normal_stage, motion, iterations)
+                return self._remember(memory, new, operator, solution, load, normal_stage, motion, iterations)
             fine += fine > 0 or motion < SOUGHT or number >= PATIENCE
             layout = layout.halfway(new) if motion > SLOW * last_motion else new
         # Some edge goes to and fro between nodes: straight lines do not ask where it is.
         layout = layout.with_edges_of(new)
-        operator, solution = self._solved(layout, True, False, memory, mu, P, Q, solution)
+        operator, solution = self._solved(layout, True, False, memory, mu, load, solution)
         new = layout.of(solution, mu, k, old_edges)
         if (motion := new.distance_of_contact(layout)) > UNSETTLED:
             raise ContactNotConverged(
@@ -116,10 +121,14 @@ class HalfPlaneContact:
                 f"by {motion:.1e} of the width of the contact"
             )
         motion = new.distance(layout)
-        return self._remember(memory, new, operator, solution, P, Q, normal_stage, motion, iterations)
+        return self._remember(memory, new, operator, solution, load, normal_stage, motion, iterations)
 
-    def _solved(self, layout, fine, adapted, memory, mu, P, Q, previous):
-        """Operator and solution on the nodes of ``layout``, more of them should the contact reach the last."""
+    def _solved(self, layout, fine, adapted, memory, mu, load, previous):
+        """Operator and solution on the nodes of ``layout``, more of them should the contact reach the last.
+
+        The solution's u_x is without strain: what has stuck has moved back from where it was by strain x.
+        """
+        P, Q, strain = load
         margin = layout.width * (MARGIN if fine else COARSE_MARGIN)
         while True:
             x = layout.nodes(self.nodes if fine else self.nodes // 2, margin, self.kernel.k)
@@ -133,17 +142,19 @@ class HalfPlaneContact:
                 )
             if self.elastic:
                 operator = replace(operator, tangential=operator.tangential + self.elastic * np.eye(len(x)))
-            increment = Increment(operator, height, memory.position(x), mu, P, Q)
+            increment = Increment(operator, height, memory.position(x) - strain * x, mu, P, Q)
             previous = increment.solve(_initial_sets(x, layout, previous))
             if not previous.sets.closed[[0, -1]].any():
                 return operator, previous
             margin += 0.1 * layout.width
 
-    def _remember(self, memory, layout, operator, solution, P, Q, normal_stage, motion, iterations):
+    def _remember(self, memory, layout, operator, solution, load, normal_stage, motion, iterations):
+        P, Q, strain = load
         x = operator.nodes
+        reached = solution.position + strain * x
         mean_pressure = (solution.pressure + memory.pressure(x)) / 2
         friction = self.mu * solution.sets.slipping * mean_pressure
-        work = integral(x, operator.of_pressure, friction, memory.position(x) - solution.position)
+        work = integral(x, operator.of_pressure, friction, memory.position(x) - reached)
 
         def position(y):
             _, T, D = element_moments(self.kernel, y, x)
@@ -152,14 +163,14 @@ class HalfPlaneContact:
                 u_x += nodal_moments(D, operator.of_pressure) @ solution.pressure
             if self.elastic:
                 u_x += self.elastic * interpolated(x, operator.of_traction, solution.traction, y)
-            return u_x - solution.delta_x
+            return u_x - solution.delta_x + strain * y
 
         if normal_stage:
             slip, slip_field = np.zeros(len(x)), np.zeros_like
-            reference = StoredField(x, solution.position, position)
+            reference = StoredField(x, reached, position)
         else:
             reference = memory.reference
-            slip = np.where(solution.stuck, memory.slip(x), solution.position - reference(x))
+            slip = np.where(solution.stuck, memory.slip(x), reached - reference(x))
             slip_field = StoredField(x, slip, lambda y: position(y) - reference(y))
         state = ContactState(
             P,
@@ -179,10 +190,10 @@ class HalfPlaneContact:
             solution.delta_y,
             motion,
             iterations,
+            strain,
         )
         pressure = partial(interpolated, x, operator.of_pressure, solution.pressure)
-        moved = np.sign(Q - memory.state.Q) if memory.state else 0.0
-        return Memory(state, layout, slip_field, reference, pressure, moved or memory.direction)
+        return Memory(state, layout, slip_field, reference, pressure, memory.directions(load))
 
     @property
     def _corners(self):

@@ -21,7 +21,8 @@ class ContactState:
     contact, stick: left and right edge [length], stick nan without friction;
     stick_zones: all of them, shape (n, 2); dissipated_energy: frictional work since first contact [stress x length²];
     delta_x, delta_y: displacements of the indenter [length], for k <= 0 up to a constant times the loads;
-    edge_motion: between the last two sets of nodes, over the width of the contact; iterations: linear solves.
+    edge_motion: between the last two sets of nodes, over the width of the contact; iterations: linear solves;
+    strain: of the half-plane along x [1].
     """
 
     P: float
@@ -41,6 +42,12 @@ class ContactState:
     delta_y: float
     edge_motion: float
     iterations: int
+    strain: float = 0.0
+
+    @property
+    def load(self):
+        """(P, Q, strain)."""
+        return self.P, self.Q, self.strain
 
 
 @dataclass(frozen=True)
@@ -68,23 +75,30 @@ class StoredField:
 @dataclass(frozen=True)
 class Memory:
     """Last state (None before first contact), its layout, and functions of x: slip, its reference u_x - delta_x,
-    pressure; and the direction in which Q last moved."""
+    pressure; and the directions in which Q and the strain last moved."""
 
     state: ContactState | None
     layout: Layout
     slip: Callable = np.zeros_like
     reference: Callable = np.zeros_like
     pressure: Callable = np.zeros_like
-    direction: float = 0.0
+    direction: tuple[float, float] = (0.0, 0.0)
 
     def position(self, x):
         """u_x - delta_x at x [length]."""
         return self.slip(x) + self.reference(x)
 
-    def edges_left_behind(self, Q):
-        """Edges of stick where slip ended for good; those of the last increment count if Q turns back from it."""
+    def directions(self, load):
+        """``direction`` once the load (P, Q, strain) is reached."""
+        if self.state is None:
+            return self.direction
+        moved = (np.sign(new - old) for new, old in zip(load[1:], self.state.load[1:], strict=True))
+        return tuple(now or before for now, before in zip(moved, self.direction, strict=True))
+
+    def edges_left_behind(self, load):
+        """Edges of stick where slip ended for good; those of the last increment count if a load turns back from it."""
         kinks = self.layout.kinks
-        turned = self.state is not None and np.sign(Q - self.state.Q) not in (0.0, self.direction)
+        turned = self.state is not None and self.directions(load) != self.direction
         return kinks + Edges.of_zones(self.layout.zones) if turned else kinks
 
     @property

@@ -29,13 +29,26 @@ class ElasticBody:
     the outer boundary, so that the domain's size is felt only beyond the resultant loads. strip: half-width of the
     surface on which contact is looked for. mixed: the mean stress is a field of its own. works: further terms of the
     virtual work, functions ``(body, v) -> form`` linear in ``body.u``. degree: of the displacements, 1 to 3. A mesh
-    with SYMMETRY facets is the half x > 0 of a symmetric problem.
+    with SYMMETRY facets is the half x > 0 of a symmetric problem. stretched: the body may have a uniform strain along
+    x, ``strain`` (None else), which is an equilibrium by itself; ``state`` is the deviation from it.
 
     ``state`` holds all unknowns; ``u`` and ``pi`` (None unless mixed) are its parts in forms, and ``dofs[n, i]`` is the
     index in ``state`` of displacement i of node n. ``solid`` is what forms know of the material.
     """
 
-    def __init__(self, mesh, facets, modulus, nu: float, far_field, strip: float, mixed=False, works=(), degree=2):
+    def __init__(
+        self,
+        mesh,
+        facets,
+        modulus,
+        nu: float,
+        far_field,
+        strip: float,
+        mixed=False,
+        works=(),
+        degree=2,
+        stretched=False,
+    ):
         self.mesh, self.modulus, self.facets, self.mixed, self.degree = mesh, modulus, facets, mixed, degree
         self.depth = modulus.depth_map()
         spaces = create_spaces(mesh, degree, mixed)
@@ -44,6 +57,7 @@ class ElasticBody:
         self.state = fem.Function(self.space, name="state")
         self.u, self.pi = self.split(self.state)
         self.delta = fem.Constant(mesh, np.zeros(2))
+        self.strain = self.constant(0.0) if stretched else None
         self.translations = [self._translation(i) for i in (X, Y)]
 
         self.nu, self.cell_height = self.constant(nu), cell_heights(mesh)
@@ -103,6 +117,7 @@ class ElasticBody:
         self.state.x.array[:] = 0.0
         self.far_value.x.array[:] = 0.0
         self.delta.value[:] = 0.0
+        self.stretch(0.0)
         self._recover = None
 
     def constant(self, value: float) -> fem.Constant:
@@ -117,7 +132,26 @@ class ElasticBody:
         """UFL stress (2, 2) in the body."""
         solid = self.solid
         young = solid.modulus.young(solid.depth.y(solid.s))
-        return elasticity.stress(young * solid.depth.gradient(self.u, solid.s), self.nu, self.pi)
+        sigma = elasticity.stress(young * solid.depth.gradient(self.u, solid.s), self.nu, self.pi)
+        return sigma if self.strain is None else sigma + elasticity.stretching_stress(young, self.nu, self.strain)
+
+    def stretch(self, strain: float):
+        """Give the body this uniform strain along x; only one that may be ``stretched`` takes other than zero."""
+        if self.strain is not None:
+            self.strain.value = strain
+
+    def displaced(self) -> np.ndarray:
+        """The local array of ``state`` with the displacement of the uniform strain."""
+        state = self.state.x.array.copy()
+        if self.strain is not None:
+            x, s, _ = self.displacements.tabulate_dof_coordinates().T
+            state[self.dofs] += self.stretching(x, self.depth.y(np.maximum(s, 0.0)))
+        return state
+
+    def stretching(self, x, y) -> np.ndarray:
+        """Displacement (n, 2) of the uniform strain at x and depth y (n,), which ``state`` does not hold."""
+        strain, nu = 0.0 if self.strain is None else float(self.strain.value), float(self.nu.value)
+        return np.stack([strain * x, -nu / (1 - nu) * strain * y], axis=1)
 
     def set_far_field(self, load):
         """Prescribe the displacement of the loads ``(Q, P)`` on the outer boundary."""

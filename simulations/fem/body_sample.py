@@ -90,7 +90,7 @@ class BodySampler:
         body, numbering = self.body, self.numbering
         body.complete()
         self._stress.interpolate(self._expression)
-        whole = numbering.gather(body.state.x.array)
+        whole = numbering.gather(body.displaced())
         stress = numbering.gather_cells(self._stress.x.array.reshape(-1, 4)[self._dofs])
         if whole is None or stress is None:
             return None

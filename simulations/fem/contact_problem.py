@@ -4,7 +4,9 @@ from dataclasses import dataclass
 
 from dolfinx import fem
 
-from forms import weak_form
+import ufl
+
+from forms import contact, weak_form
 from forms.contact import X, Y
 
 from .body import ElasticBody
@@ -81,6 +83,7 @@ class ContactProblem:
             all_stick=body.constant(0.0),
             is_lagged=None if self.held else body.constant(0.0),
             lagged_pressure=None if self.held else points.field("lagged pressure"),
+            stretch=None if body.strain is None else contact.stretch(body.strain, ufl.SpatialCoordinate(body.mesh)[0]),
             elastic=body.constant(self.elastic) if self.elastic else None,
         )
         if self.held is not None:

@@ -1,13 +1,14 @@
-"""The pair of line loads on the indenter."""
+"""The line loads on the indenter, and the strain of the body beside it."""
 
 from typing import NamedTuple
 
 
 class Load(NamedTuple):
-    """Line loads (dimensionless): P presses, Q shears along x."""
+    """Line loads (dimensionless): P presses, Q shears along x; and the strain of the body along x, in P/(a E(a))."""
 
     P: float
     Q: float = 0.0
+    strain: float = 0.0
 
     @property
     def components(self) -> tuple[float, float]:
@@ -16,7 +17,7 @@ class Load(NamedTuple):
 
     def halfway_to(self, other: "Load") -> "Load":
         """The mean of both loads."""
-        return Load((self.P + other.P) / 2, (self.Q + other.Q) / 2)
+        return Load(*((mine + theirs) / 2 for mine, theirs in zip(self, other)))
 
 
 NO_LOAD = Load(0.0, 0.0)

@@ -24,7 +24,7 @@ class SurfaceState:
     weight: np.ndarray
     pressure: np.ndarray
     traction: np.ndarray
-    u: np.ndarray  # (2, n)
+    u: np.ndarray  # (2, n), that of a bulk strain included
     delta: np.ndarray  # (2,)
     neglected: np.ndarray  # (n,) the u_x of the pressure, where coupling is off; 0 otherwise
     elastic: float = 0.0  # compliance of elastic slip
@@ -33,6 +33,11 @@ class SurfaceState:
     def relative_displacement(self) -> np.ndarray:
         """u_x - delta_x as friction sees it, less the elastic slip -c q, (n,)."""
         return self.u[X] - self.neglected - self.delta[X] + self.elastic * self.traction
+
+    @property
+    def elastic_energy(self) -> float:
+        """Stored by elastic slip,  ∫ c q²/2 dx ."""
+        return self.elastic * self.line_load(self.traction**2) / 2
 
     def line_load(self, values) -> float:
         """Integral of nodal values over the surface."""
@@ -59,12 +64,13 @@ class SurfaceSampler:
         normal = problem.held.state if problem.held else self.body.state  # of the pressure alone
         u, normal_u = self.body.state.x.array[dofs], normal.x.array[dofs]
         neglected = normal_u[:, X] if self._uncoupled else np.zeros(len(u))
+        stretching = self.body.stretching(self.x, np.zeros_like(self.x))
         return SurfaceState(
             x=self.x,
             weight=self.weight,
             pressure=force[Y] / self.weight,
             traction=force[X] / self.weight,
-            u=np.stack([self._collect(u[:, X], parity=-1), self._collect(u[:, Y])]),
+            u=np.stack([self._collect(u[:, X], parity=-1), self._collect(u[:, Y])]) + stretching.T,
             delta=self.body.delta.value.copy(),
             neglected=self._collect(neglected, parity=-1),
             elastic=problem.elastic,

@@ -56,6 +56,26 @@ def rocking(P: float, Q_A: float, cycles: int, quarter: int) -> list[LoadStep]:
     return schedule
 
 
+def stretched(schedule: list[LoadStep], strain: float, phase: float | str = 0.0) -> list[LoadStep]:
+    """The steps of ``rocking`` (and those before) with the strain of the body: ``strain`` cos(angle - phase).
+
+    The angle is that of Q = Q_A cos(angle) on its way round the cycle; before, the strain grows with Q. phase: degrees
+    by which the strain lags behind Q, or "constant" from +Q_A on.
+    """
+    Q_A = max(step.Q for step in schedule)
+    lag = 0.0 if phase == "constant" else np.deg2rad(float(phase))
+
+    def share(step):
+        Q = step.Q / Q_A
+        if not step.cycle:
+            return Q * np.cos(lag)
+        if phase == "constant":
+            return 1.0
+        return Q * np.cos(lag) - step.direction * np.sqrt(max(1 - Q**2, 0.0)) * np.sin(lag)
+
+    return [replace(step, load=step.load._replace(strain=strain * share(step))) for step in schedule]
+
+
 def visiting(start: Load, points: list[Load], steps: int) -> list[LoadStep]:
     """Straight from point to point, ``steps`` each; pressing goes on while Q has not moved yet."""
     schedule, branch = [], "normal"

@@ -10,7 +10,7 @@ from ..runs.reference import Reference
 from ..runs.simulation import Simulation
 from ..runs.springs import Springs
 from .files import on_disk
-from .style import COLOURS, GREY, MARKERS
+from .style import COLOURS, GREY, MARKERS, in_words
 
 STYLES = ("-", "--")
 DOTS = 45  # computed points shown a curve
@@ -31,9 +31,9 @@ def plot_run(path: Path, title: str, simulation: Simulation, lines: dict[str, Re
     with plt.rc_context(LOOKS):
         size = (4.7 * columns, 3.8 * rows + 1.5)
         figure, axes = plt.subplots(rows, columns, figsize=size, squeeze=False)
-        space = {"top": 1 - 0.9 / size[1], "bottom": 1.3 / size[1], "left": 0.7 / size[0], "right": 1 - 0.2 / size[0]}
+        space = {"top": 1 - 0.9 / size[1], "bottom": 1.3 / size[1], "left": 0.78 / size[0], "right": 1 - 0.2 / size[0]}
         figure.subplots_adjust(**space, hspace=0.36, wspace=0.24)
-        figure.suptitle(f"{title}\n{_loads(simulation)}", wrap=True, parse_math=False, fontsize=11)
+        figure.suptitle(f"{title}\n{in_words(simulation.scene)}", wrap=True, parse_math=False, fontsize=11)
         _pressure(axes[0, 0], simulation, lines)
         if history.friction:
             _traction(axes[0, 1], simulation, lines)
@@ -46,18 +46,6 @@ def plot_run(path: Path, title: str, simulation: Simulation, lines: dict[str, Re
                 figure.savefig(partial, dpi=130)
         finally:
             plt.close(figure)
-
-
-def _loads(simulation):
-    """Parameters and loads in words."""
-    scene, load = simulation.scene, simulation.scene.load
-    values = [f"k = {scene.k:g}".replace("-", "−"), f"ν = {scene.solid.nu:.4g}", f"P = {scene.P:.4g} N/m"]
-    if scene.friction:
-        largest = max(abs(step.Q) for step in simulation.schedule)
-        values += [f"μ = {scene.mu:g}", f"largest |Q| = {largest / scene.mu:.3g} μP"]
-    if scene.is_path:
-        values += [f"{len(load.points)} points of (P, Q)"]
-    return ",  ".join(values)
 
 
 def _states(history: History) -> list[Entry]:

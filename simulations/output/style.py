@@ -7,6 +7,8 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 from matplotlib.ticker import MaxNLocator
 
+from ..scene import Scene, tables
+
 BLUE, ORANGE, GREEN, PURPLE, RED = "#0072B2", "#E69F00", "#009E73", "#CC79A7", "#D55E00"  # colour-blind safe
 SKY, BLACK = "#56B4E9", "#000000"
 COLOURS = (BLUE, ORANGE, GREEN, PURPLE, RED)
@@ -24,6 +26,19 @@ FONTS = {
     "pdf.fonttype": 42,  # text stays text
 }
 PIXELS_PER_INCH = 130
+
+
+def in_words(scene: Scene) -> str:
+    """Parameters and loads of a run, for the title of its pictures."""
+    values = [f"k = {scene.k:g}".replace("-", "−"), f"ν = {scene.solid.nu:.4g}", f"P = {scene.P:.4g} N/m"]
+    if scene.friction:
+        values.append(f"μ = {scene.mu:g}")
+    if isinstance(scene.load, tables.Fretting):
+        values.append(f"Q_A = {scene.load.amplitude:g} μP")
+    if isinstance(scene.load, tables.Path):
+        Q = max(abs(Q) for _, Q in scene.load.points)
+        values.append(f"{len(scene.load.points)} points of (P, Q), |Q| ≤ {Q:.4g} N/m")
+    return ",  ".join(values)
 
 
 @contextmanager

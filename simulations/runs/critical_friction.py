@@ -14,8 +14,10 @@ from ..scene.scene import Scene
 from ..solvers.condensed.system import CondensedSystem
 from .simulation import Simulation
 
+REMEDY = "effects.elastic_slip, a smaller load.mu or another mesh.degree may help"
+FINER = "a smaller mesh.edge_facet or more solver.increments may help"
 PLACES = 12  # of a sliver on the mesh
-LARGEST = 300  # surface nodes in contact for which the mesh's own bound is looked for
+LARGEST = 400  # surface nodes in contact for which the mesh's own bound is looked for
 
 
 def expected(scene: Scene, effects: Effects) -> CriticalFriction | None:
@@ -50,6 +52,12 @@ def of_mesh(simulation: Simulation) -> float | None:
     return sliver_singular(RateOperator.from_compliance(*blocks), PLACES)[0]
 
 
+def side(scene: Scene) -> str:
+    """``describe`` of any scene with friction; "no coupling" where rates are always unique."""
+    critical = expected(scene, Effects(scene))
+    return "no coupling" if critical is None else describe(scene, critical)
+
+
 def describe(scene: Scene, critical: CriticalFriction) -> str:
     """On which side of the bounds the scene lies."""
     if not isfinite(critical.upper):
@@ -78,7 +86,6 @@ def cause(simulation: Simulation) -> str:
     if own is None:
         return describe(scene, critical)
     if scene.mu >= own:
-        side = f"above {own:.3g}, from where on Coulomb's law has no unique rate solution on this mesh"
-    else:
-        side = f"below {own:.3g}, up to where no second rate solution of Coulomb's law is known on this mesh"
-    return f"mu = {scene.mu:g} is {side}"
+        lost = "from where on Coulomb's law has no unique rate solution on this mesh"
+        return f"mu = {scene.mu:g} is above {own:.3g}, {lost}: {REMEDY}"
+    return f"mu = {scene.mu:g} is below {own:.3g}, up to where no second rate solution is known on this mesh: {FINER}"

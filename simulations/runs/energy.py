@@ -3,8 +3,10 @@
 With means of the forces before and after (the trapezoidal rule) this holds exactly for the discrete solution, in every
 increment and however large it is, because the stiffness is symmetric and the loads balance:
 
-    work of the indenter + work on the outer boundary - change of u.K u/2
+    work of the indenter + work on the outer boundary + work of the bulk strain - change of u.K u/2
         = work of the contact tractions through the motion between surface and indenter.
+
+u is the deviation from a bulk strain eps, which pulls the surface past the indenter by itself: -∫ q x dx d(eps).
 
 The right side is friction, and what the pressure does through the gap that Nitsche's method leaves, an error of
 discretisation. It is formed from the tractions that are reported, the left side from the fields of the whole body.
@@ -25,6 +27,7 @@ class EnergyStep:
 
     indenter: float  # Q Δδx + P Δδy
     boundary: float  # work on the outer boundary, whose prescribed displacement follows the loads
+    stretching: float  # of the bulk strain, against the traction
     stored: float  # change of the elastic energy
     friction: float  # lost by the reported traction through the slip
     gap: float  # lost by the reported pressure through the gap
@@ -32,12 +35,12 @@ class EnergyStep:
     @property
     def defect(self) -> float:
         """What is missing in the balance."""
-        return self.indenter + self.boundary - self.stored - self.friction - self.gap
+        return self.indenter + self.boundary + self.stretching - self.stored - self.friction - self.gap
 
     @property
     def turnover(self) -> float:
         """Sum of what is moved: the scale of round-off."""
-        return abs(self.indenter) + abs(self.boundary) + abs(self.stored) + abs(self.friction)
+        return sum(map(abs, (self.indenter, self.boundary, self.stretching, self.stored, self.friction)))
 
 
 class EnergyMeter:
@@ -61,10 +64,10 @@ class EnergyMeter:
         body.stiffness.mult(u, force)
         far = body.fixed_dofs[body.fixed_dofs < u.local_size]
         now = {
-            "stored": body.symmetry_factor * u.dot(force) / 2
-            + surface.line_load(surface.elastic * surface.traction**2 / 2),
+            "stored": body.symmetry_factor * u.dot(force) / 2 + surface.elastic_energy,
             "boundary": (body.symmetry_factor * force.array_r[far], u.array_r[far].copy()),
             "indenter": (np.array(load.load.components), surface.delta),
+            "stretching": (surface.weight * surface.traction, load.load.strain * surface.x),
             "friction": (surface.weight * surface.traction, surface.relative_displacement),
             "gap": (surface.weight * surface.pressure, surface.u[Y] - surface.delta[Y]),
         }
@@ -80,6 +83,7 @@ class EnergyMeter:
         return EnergyStep(
             indenter=work("indenter"),
             boundary=self.body.mesh.comm.allreduce(work("boundary"), MPI.SUM),
+            stretching=-work("stretching"),
             stored=now["stored"] - before["stored"],
             friction=-work("friction"),
             gap=-work("gap"),

@@ -56,7 +56,7 @@ class Solved:
 def _choice(scene: Scene) -> accuracy.Choice:
     """The mesh that ``solver.accuracy`` chose."""
     assert scene.solver.accuracy is not None
-    return accuracy.choose(scene.solver.accuracy, scene.k, getattr(scene.load, "amplitude", 0.9))
+    return accuracy.choose(scene.solver.accuracy, scene.k, accuracy.amplitude_of(scene.load))
 
 
 def expectation(scene: Scene) -> str:
@@ -73,7 +73,7 @@ def coarser(comm, scene: Scene) -> tuple[Simulation, float]:
     scene's mesh.
     """
     choice = _choice(scene)
-    levels = accuracy.expected(scene.k, getattr(scene.load, "amplitude", 0.9))
+    levels = accuracy.expected(scene.k, accuracy.amplitude_of(scene.load))
     other = min(levels, key=lambda level: abs(np.log(level.fineness / (COARSER * choice.fineness))))
     if other.fineness <= choice.fineness:  # already the coarsest: a finer one tells as much
         other = min(levels, key=lambda level: abs(np.log(level.fineness * COARSER / choice.fineness)))

@@ -7,16 +7,18 @@ import numpy as np
 
 from analytic import FrettingLoop, HalfPlaneContact, SpringPath, contact_edges
 
-from ..scene import Scene
+from ..fem.load import Load
+from ..scene import Scene, SceneError
 from ..scene.effects import Effects
 from ..scene.scaling import Scaled
-from .limits import expected_error, size_for
+from .limits import NARROWEST, expected_error, size_for
 
 NODES = 80  # of the half-plane solver: edges to a few 1e-3 of the half-width
 APART = 0.005  # edges closer than this (over the half-width) are one
 FACETS = 3  # from a stop to the next, so that both can be placed in theirs
 SAMPLES = 200  # of q, for its norm
 MOST = 30  # edges on either side
+FINER_WITH_STRAIN = 6.0  # facets on the ways of the edges of stick, for the traction between the turns of Q
 STOP = 2.0, 4.0  # error of q that a stop may cost (limits.expected_error) over facet², for k >= 0 and k < 0
 FIRST = 3  # facets, either side, in the contact of the first increment with friction
 
@@ -38,7 +40,8 @@ class ExpectedEdges:
     """Places x > 0 where edges turn round, and ways (from, to) of the contact's and of the stick's between them.
 
     What is at x is at -x too. first: half-width of contact after the first increment, if friction acts in it; stops:
-    where the edge of stick is after a load step, and the size of q there (Stop); exact: none is an estimate.
+    where the edge of stick is after a load step, and the size of q there (Stop); exact: none is an estimate;
+    fineness: ``facet`` over the facets on the way of the edges of stick, if more than 1.
     """
 
     edges: tuple[float, ...]
@@ -47,6 +50,7 @@ class ExpectedEdges:
     first: float | None = None
     stops: tuple["Stop", ...] = ()
     exact: bool = False
+    fineness: float = 1.0
 
     def sweeps(self, k: float, facet: float, edge_facet: float) -> tuple[tuple[float, float, float], ...]:
         """Intervals (from, to, facet length) over which edges move, on both sides.
@@ -55,7 +59,7 @@ class ExpectedEdges:
         Where pressure ends too, they come close to ``edge_facet``. At a stop they are smaller the smaller q is in that
         state, so that its relative error is that of the others. The first contact has FIRST facets on either side.
         """
-        steep = size_for(2 * expected_error(0.0, facet), min(k, 0.0))
+        steep = min(size_for(2 * expected_error(0.0, facet), min(k, 0.0)), facet / self.fineness)
         ways = []
         if self.stick_way and steep < facet:
             ways.append((*self.stick_way, max(steep, edge_facet)))
@@ -79,19 +83,21 @@ class Stop(NamedTuple):
 
 
 def expected_edges(
-    scene: Scene, scaled: Scaled, loop: FrettingLoop | None, effects: Effects, loads: list[tuple[float, float]]
+    scene: Scene, scaled: Scaled, loop: FrettingLoop | None, effects: Effects, loads: list[Load]
 ) -> ExpectedEdges:
     """From the closed form or, where it is another problem, from a rough half-plane solution.
 
-    loads: (P, Q) of the schedule, the first with Q = 0.
+    loads: of the schedule, the first with Q = 0; with bulk strain those of a loop with few load steps.
     """
+    if "bulk strain" in effects:
+        return _with_strain(scene, scaled, effects, loads)
     if scene.contact_has_closed_form:
         contact = scaled.contact
         assert contact is not None  # contact_has_closed_form
         a = contact.a
         if loop is None and not scene.friction:
             return ExpectedEdges((a,), exact=True)
-        states = SpringPath(contact, scene.mu).run(loads)[::-1]
+        states = SpringPath(contact, scene.mu).run([load[:2] for load in loads])[::-1]
         if loop is None:
             ends = [edge for state in states for edge in (state.contact_half_width, state.stick_half_width)]
             return ExpectedEdges(_several(ends), exact=True)
@@ -102,6 +108,34 @@ def expected_edges(
         return _rough_edges(scene, scaled, effects, loads)
     except (RuntimeError, ValueError):  # no reason to stop: the mesh is only less well graded
         return ExpectedEdges((1.0,))
+
+
+def _with_strain(scene, scaled, effects, loads):
+    """The stick zone is moved aside: by the closed form [X7] or, beyond its range, by a rough half-plane solution."""
+    if effects.has_closed_form:
+        loop, a = scene.stretched_loop, scene.half_width
+        ends = np.abs([loop.shift + loop.c, loop.shift - loop.c]) / a
+        inner = 0.0 if abs(loop.shift) < loop.c else ends.min()
+        way = float(inner), 1.0
+        return ExpectedEdges(_several([*ends, 1.0]), stick_way=way, exact=True, fineness=FINER_WITH_STRAIN)
+    try:
+        states = half_plane_solver(scene, scaled, effects, NODES).run(loads)
+    except (RuntimeError, ValueError):
+        return ExpectedEdges((1.0,))
+    turns = [state for state in states[::-1] if abs(state.Q) == max(abs(load.Q) for load in loads)]
+    stick = min(np.ptp(state.stick_zones, axis=1).max(initial=0.0) for state in turns)
+    if stick < NARROWEST * min(scene.mesh.edge_facet, scene.mesh.facet):
+        key = "bulk_strain" if scene.load.bulk_stress is None else "bulk_stress"
+        raise SceneError(
+            f"load.{key} = {getattr(scene.load, key):g} is not allowed: it makes the whole contact slip, only "
+            f"{stick:.1g} a would stick at Q_A; less strain, or a smaller load.amplitude"
+        )
+    shown = states[::-1] if scene.load.bulk_phase or scene.mesh.edges == "states" else turns
+    contact = np.abs([state.contact for state in states if state.Q])
+    edges = _several([edge for state in shown for edge in (*state.contact, *state.stick)])
+    way = (float(contact.min()), float(contact.max())) if "coupling" in effects else None
+    stick_way = min(edges), float(contact.max())
+    return ExpectedEdges(edges, contact_way=way, stick_way=stick_way, fineness=FINER_WITH_STRAIN)
 
 
 def _stops(states) -> tuple[Stop, ...]:

@@ -6,6 +6,7 @@ import numpy as np
 
 from analytic.half_plane.state import ContactState
 
+from ..fem.load import Load
 from .expected_edges import half_plane_solver
 from .history import Entry
 from .simulation import Simulation
@@ -30,7 +31,7 @@ class MeshFree:
 
     def __init__(self, simulation: Simulation, tell: Tell | None = None):
         friction_first = "friction in normal stage" in simulation.effects
-        loads, places = refined([(step.P, step.Q) for step in simulation.schedule], friction_first)
+        loads, places = refined([step.load for step in simulation.schedule], friction_first)
         failure = None
         for nodes in NODES:
             try:
@@ -82,15 +83,15 @@ class MeshFree:
         return last_cycle(self._states, self._schedule)
 
 
-def refined(loads: list[tuple[float, float]], friction_first: bool) -> tuple[list[tuple[float, float]], list[int]]:
+def refined(loads: list[Load], friction_first: bool) -> tuple[list[Load], list[int]]:
     """Loads with FINER steps in the place of one, and where the given ones are among them.
 
     The first stays one step, as does frictionless pressing, which leaves no memory.
     """
     finer, places = [loads[0]], [0]
     for before, after in zip(loads, loads[1:]):
-        steps = FINER if friction_first or after[1] != 0 or before[1] != 0 else 1
+        steps = FINER if friction_first or any(after[1:]) or any(before[1:]) else 1
         for share in np.arange(1, steps + 1) / steps:
-            finer.append((before[0] + share * (after[0] - before[0]), before[1] + share * (after[1] - before[1])))
+            finer.append(Load(*(b + share * (a - b) for b, a in zip(before, after))))
         places.append(len(finer) - 1)
     return finer, places

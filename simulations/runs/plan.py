@@ -1,9 +1,11 @@
 """What a scene asks for before anything is meshed: scaled problem, closed forms, load schedule, wanted cell sizes."""
 
+from analytic import StretchedLoop
+
 from ..fem.edge_place import best_place
 from ..fem.load import Load
 from ..fem.mesh import Grading
-from ..loading.schedule import pressing, rocking, visiting
+from ..loading.schedule import LoadStep, pressing, rocking, stretched, visiting
 from ..scene import Scene
 from ..scene.effects import Effects
 from ..scene.scaling import Scaled
@@ -11,15 +13,17 @@ from .expected_edges import expected_edges
 from .timing import Stopwatch
 
 # The far field is known less well where a coating is not in it, or where coupling moves the contact aside and with it
-# the line on which P acts (k = -0.5: 8 % of a, which costs 8e-3 in p at 20 a): it is prescribed that much further away.
+# the line on which P acts (k = -0.5: 8 % of a, which costs 8e-3 in p at 20 a), or where bulk strain moves the traction
+# aside (k = -0.3: 5e-4 in slip and energy): it is prescribed that much further away.
 FARTHER = 5.0
+ROUGH_QUARTER = 2  # load steps per Q_A of the rough solution that finds edges under bulk strain
 
 
 class Plan:
     """A scene in scaled units.
 
-    ``contact`` and ``loop`` are the closed forms, None where there are none; ``watch`` has the seconds spent in each
-    phase.
+    ``contact``, ``loop`` and, with bulk strain, ``stretched`` are the closed forms, None where there are none;
+    ``watch`` has the seconds spent in each phase.
     """
 
     def __init__(self, scene: Scene, watch: Stopwatch):
@@ -29,6 +33,10 @@ class Plan:
         self.loop = None
         if scene.is_loop and self.contact:
             self.loop = self.contact.fretting(mu=self.mu, z=1.0 - scene.load.amplitude)
+        self.stretched = None
+        if self.loop and "bulk strain" in self.effects and scene.stretched_loop:
+            strain = scene.bulk_strain * self.scaled.scales.length / self.scaled.scales.displacement
+            self.stretched = StretchedLoop(self.loop, strain)
         self.schedule = self._schedule()
 
     @property
@@ -36,7 +44,7 @@ class Plan:
         """What the mesh of a scene depends on: equal for scenes whose meshes are; None where that is not known."""
         if self.scene.indenter.profile != "parabola":
             return None
-        loads = tuple((increment.P, increment.Q) for increment in self.schedule)
+        loads = tuple(increment.load for increment in self.schedule)
         on = tuple(name for name, verdict in self.effects.verdicts.items() if verdict.on)
         return loads, self.mu, on, tuple(self.scene.cell_sizes.items()), self.scene.mesh.edges
 
@@ -47,12 +55,14 @@ class Plan:
         if not scene.is_power_law:
             return scene.mesh.extent * FARTHER * max(1.0, self.scaled.modulus.thickness)
         is_coupled = "coupling" in self.effects and not scene.is_decoupled
-        return scene.mesh.extent * (FARTHER if is_coupled else 1.0)
+        return scene.mesh.extent * (FARTHER if is_coupled or "bulk strain" in self.effects else 1.0)
 
     def grading(self) -> Grading:
         """Cell sizes of the scene, graded to where contact and stick zone are expected to end."""
         scene = self.scene
-        loads = [(increment.P, increment.Q) for increment in self.schedule]
+        loads = [increment.load for increment in self.schedule]
+        if "bulk strain" in self.effects:
+            loads = [increment.load for increment in self._loop(min(scene.cycles, 1), ROUGH_QUARTER)]
         with self.watch("edges"):
             found = expected_edges(scene, self.scaled, self.loop, self.effects, loads)
         sizes = scene.cell_sizes | {"extent": self.extent}
@@ -71,5 +81,13 @@ class Plan:
             return pressing(first.P, steps) + visiting(first, rest, scene.solver.increments)
         if not scene.friction:
             return pressing(1.0)
-        Q_A = scene.load.amplitude * self.mu
-        return pressing(1.0, steps) + rocking(1.0, Q_A, scene.load.cycles, scene.solver.increments)
+        return self._loop(scene.load.cycles, scene.solver.increments, steps)
+
+    def _loop(self, cycles: int, quarter: int, pressing_steps: int = 1) -> list[LoadStep]:
+        """Pressing and rocking, ``quarter`` load steps per Q_A."""
+        scene, scales = self.scene, self.scaled.scales
+        schedule = pressing(1.0, pressing_steps) + rocking(1.0, scene.load.amplitude * self.mu, cycles, quarter)
+        if "bulk strain" not in self.effects:
+            return schedule
+        strain = scene.bulk_strain * scales.length / scales.displacement
+        return stretched(schedule, strain, scene.load.bulk_phase or 0.0)

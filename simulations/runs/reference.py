@@ -13,6 +13,7 @@ from .history import Entry, History
 from .mesh_free import MeshFree, NoReference, Tell
 from .simulation import Simulation
 from .springs import Springs
+from .stretched import StretchedForm
 
 ROUGH_TIMES, ROUGH_INCREMENTS = 20.0, 20  # of an increment over one of the rough edges' of a loop, which makes so many
 
@@ -41,17 +42,20 @@ class Reference(Protocol):
         """As ``History.dissipated_energy``; None where unknown."""
 
 
-def closed_form(simulation: Simulation) -> Springs | None:
+def closed_form(simulation: Simulation) -> Springs | StretchedForm | None:
     """The closed forms of a simulation, whether they describe its physics or neglect some; None without any."""
     if simulation.contact is None:
         return None
+    if "bulk strain" in simulation.effects and simulation.stretched:
+        return StretchedForm(simulation.stretched, simulation.schedule)
     return Springs(simulation.contact, simulation.mu, simulation.schedule)
 
 
 def neglected(simulation: Simulation) -> list[str]:
     """Effects of a simulation that its closed form, where there is one, leaves out."""
     coupled = "coupling" in simulation.effects and not simulation.scene.contact_has_closed_form
-    return ["coupling"] * coupled + simulation.effects.without_reference
+    strained = "bulk strain" in simulation.effects and simulation.stretched is None
+    return ["coupling"] * coupled + ["bulk strain"] * strained + simulation.effects.without_reference
 
 
 def expected_seconds(simulation: Simulation) -> float:
@@ -87,15 +91,16 @@ def of_same_physics(simulation: Simulation, tell: Tell | None = None) -> Referen
 def describe(reference: Reference, simulation: Simulation) -> str:
     """The reference in words: why it has the same physics."""
     scene = simulation.scene
-    if not isinstance(reference, Springs):
+    strain = " with bulk strain" if isinstance(reference, StretchedForm) else ""
+    if not isinstance(reference, (Springs, StretchedForm)):
         friction = "the same friction" if scene.friction else "no friction"
         nodes = f" of {reference.nodes} nodes" if isinstance(reference, MeshFree) else ""
         return f"{reference.name}{nodes} with {friction}{' and coupling' if 'coupling' in simulation.effects else ''}"
     if not scene.friction:
         return "closed form of the frictionless contact"
     if "coupling" not in simulation.effects:
-        return "closed form, which neglects coupling as this run does"
-    return "closed form, exact at the Holl ratio"
+        return f"closed form{strain}, which neglects coupling as this run does"
+    return f"closed form{strain}, exact at the Holl ratio"
 
 
 def all_states(history: History) -> list[Entry]:

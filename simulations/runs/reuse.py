@@ -32,7 +32,7 @@ def why_not(previous: Meshed, new: Plan) -> str | None:
     )
     if not same or new.scene.solid.nu != previous.scene.solid.nu:
         return "another solid: k, nu, or the depth y0 over a, or the coating"
-    for name in ("symmetry", "incompressibility"):
+    for name in ("symmetry", "incompressibility", "bulk strain"):
         if (name in new.effects) != (name in previous.effects):
             return f"the effect {name} is on in one of them only"
     if any(plan.effects.works(plan.scene, plan.scaled.scales) for plan in (new, previous)):

@@ -75,7 +75,7 @@ class Simulation(Meshed):
             frictional = None
             if scene.friction:
                 directions = (X, Y) if "coupling" in self.effects else (X,)
-                elastic = self.scaled.elastic_compliance(scene) if "elastic slip" in self.effects else 0.0
+                elastic = self.scaled.elastic_compliance(scene) if "elastic slip (regularised)" in self.effects else 0.0
                 frictional = ContactProblem(self.body, indenter.height, nitsche, directions, self.mu, elastic)
         self.solver = LoadStepping(
             normal, frictional, self._system, "friction in normal stage" in self.effects, tolerance
@@ -105,6 +105,7 @@ class Simulation(Meshed):
             "incompressibility" in self.effects,
             self.effects.works(scene, self.scaled.scales),
             scene.mesh.degree,
+            "bulk strain" in self.effects,
         )
 
     def _take_over(self, other: "Simulation"):
@@ -174,7 +175,7 @@ def failure_in_si(simulation: Simulation, reason) -> str:
     """Why the next increment failed, with its loads in SI units and the keys of the scene that they come from."""
     scene, unit, number = simulation.scene, simulation.scaled.scales.line_load, len(simulation.history.entries)
     step = simulation.schedule[number]
-    P, Q = getattr(reason, "after", None) or step.load
+    P, Q, _ = getattr(reason, "after", None) or step.load
     loads = f"P = {P * unit:.4g} N/m, Q = {Q * unit:.4g} N/m"
     keys = ", ".join(f"load.{name} = {value:g}" for name, value in scene.load if name in ("P", "amplitude", "mu"))
     place = f"load step {number + 1} of {len(simulation.schedule)}, {step.branch}"

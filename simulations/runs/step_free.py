@@ -10,13 +10,14 @@ from .springs import last_cycle
 
 
 def serves(simulation: Simulation) -> bool:
-    """True for the first cycle at constant P on a power law with k >= 0, pressed without friction.
+    """True for the first cycle at constant P on a power law with k >= 0, pressed without friction, without bulk strain.
 
     In later cycles, and for k < 0, an edge of stick comes back to where it turned before, and is badly determined.
     """
     on, scene = simulation.effects, simulation.scene
     is_first_cycle = scene.is_loop and scene.cycles <= 1 and scene.is_power_law and scene.k >= 0
-    return is_first_cycle and "coupling" in on and "friction in normal stage" not in on
+    others = "friction in normal stage" in on or "bulk strain" in on
+    return is_first_cycle and "coupling" in on and not others
 
 
 class StepFree:

@@ -2,12 +2,14 @@
 ``simulations.studies.cost``).
 
 The family has one parameter, the fineness t: facets under the cylinder are 0.025 t half-widths, all else follows. Its
-errors are the largest of those of p, q and slip (L2 over the contact, at +Q_A), a, c and the energy of a cycle.
+errors are the largest of those of p, q and slip (L2 over the contact, of every state of a cycle), and of a, c and the
+energy of the cycle at its end. Without friction those of the end count, which are smaller.
 """
 
 import csv
 from dataclasses import dataclass
 from functools import cache
+from math import isfinite
 from pathlib import Path
 
 from .errors import SceneError
@@ -18,13 +20,14 @@ MARGIN = 1.5  # loads and gradings between those measured; a and c are read betw
 
 @dataclass(frozen=True)
 class Measured:
-    """One line of the table: the largest error at grading ``k`` and fineness, and CPU seconds of a loop of 31
-    increments.
+    """One line of the table at grading ``k`` and fineness: the largest error of all states (nan: not measured) and of
+    the last one, and CPU seconds of a loop of 31 increments.
     """
 
     k: float
     fineness: float
     error: float
+    last: float
     seconds: float
 
 
@@ -58,16 +61,22 @@ def family(fineness: float, k: float) -> dict[str, float]:
     return {"mesh.degree": 3} | steep | {f"mesh.{name}": float(f"{value:.4g}") for name, value in sizes.items()}
 
 
+def amplitude_of(load) -> float | None:
+    """Q_A/(mu P) of a scene's load as the table knows it: 0.9 for paths, None without friction."""
+    return getattr(load, "amplitude", 0.9) if getattr(load, "mu", None) is not None else None
+
+
 @cache
 def table(path: Path = TABLE) -> tuple[Measured, ...]:
     """The measured lines."""
     with path.open(encoding="utf-8") as file:
-        return tuple(Measured(**{name: float(value) for name, value in row.items()}) for row in csv.DictReader(file))
+        rows = list(csv.DictReader(file))
+    return tuple(Measured(**{name: float(value or "nan") for name, value in row.items()}) for row in rows)
 
 
-def choose(accuracy: float, k: float, amplitude: float = 0.9) -> Choice:
+def choose(accuracy: float, k: float, amplitude: float | None = 0.9) -> Choice:
     """The coarsest mesh whose error, with a margin, is ``accuracy``; SceneError with the best there is where none
-    is.
+    is. amplitude: None without friction.
     """
     levels = expected(k, amplitude)
     enough = [choice for choice in levels if choice.error <= accuracy]
@@ -84,7 +93,7 @@ def choose(accuracy: float, k: float, amplitude: float = 0.9) -> Choice:
     )
 
 
-def expected(k: float, amplitude: float = 0.9) -> list[Choice]:
+def expected(k: float, amplitude: float | None = 0.9) -> list[Choice]:
     """What every fineness reaches at ``k``, the finest first: the worse of the two gradings measured next to it,
     with the margin.
     """
@@ -96,12 +105,15 @@ def expected(k: float, amplitude: float = 0.9) -> list[Choice]:
         below = 0.0
     if k < 0 <= above:
         above = max(g for g in gradings if g < 0)
-    margin = MARGIN * max(1.0, (0.5 / amplitude) ** 3, 0.1 / (1.0 - amplitude))  # measured at 0.5 and 0.9; W ~ Q_A^3
+    margin = MARGIN
+    if amplitude is not None:  # measured at 0.5 and 0.9; W ~ Q_A^3
+        margin *= max(1.0, (0.5 / amplitude) ** 3, 0.1 / (1.0 - amplitude))
+    column = "last" if amplitude is None else "error"
     choices: list[Choice] = []
     worst = 0.0
     for t in sorted({m.fineness for m in table()}):
-        lines = [m for m in table() if m.fineness == t and m.k in (below, above)]
+        lines = [m for m in table() if m.fineness == t and m.k in (below, above) and isfinite(getattr(m, column))]
         if {m.k for m in lines} == {below, above}:
-            worst = max(worst, *(m.error for m in lines))  # a coarser mesh that happens to be better is luck
+            worst = max(worst, *(getattr(m, column) for m in lines))  # a coarser mesh that happens to be better is luck
             choices.append(Choice(t, family(t, k), margin * worst, max(m.seconds for m in lines)))
     return choices

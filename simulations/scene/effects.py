@@ -52,6 +52,8 @@ class Effects:
         on = [effect for effect in ALL if effect.name in self]
         self.without_reference = [effect.name for effect in on if not effect.keeps_reference]
         self.has_closed_form = scene.contact_has_closed_form and not self.without_reference
+        if "bulk strain" in self and scene.stretched_loop is None:
+            self.has_closed_form = False
 
     def __contains__(self, name: str) -> bool:
         return self.verdicts[name].on
@@ -143,6 +145,16 @@ def load_schedule(scene: Scene) -> Verdict:
     return Verdict(True, f"load.cycles = {cycles}", "to +Q_A, then to -Q_A and back")
 
 
+def bulk_strain(scene: Scene) -> Verdict:
+    """A uniform strain of the body moves the surface past the indenter; nothing else feels it."""
+    strain = scene.bulk_strain
+    if not strain:
+        return Verdict(False, "no load.bulk_strain", "the body far from the contact is at rest")
+    phase = getattr(scene.load, "bulk_phase", None) or 0.0
+    course = "constant from +Q_A on" if phase == "constant" else f"{phase:g} degrees behind Q" if phase else "in phase"
+    return Verdict(True, f"amplitude {strain:.4g}, {course}", "slip gains eps x, displacement and stress the far field")
+
+
 def profile(scene: Scene) -> Verdict:
     """The indenter's shape, the parabola unless another is asked for."""
     shape = scene.indenter.profile
@@ -175,9 +187,10 @@ add(
     Effect("friction", friction, keeps_reference=True),
     Effect("symmetry", symmetry, keeps_reference=True),
     Effect("coupling", coupling, keeps_reference=True),
-    Effect("elastic slip", elastic_slip),
+    Effect("elastic slip (regularised)", elastic_slip),
     Effect("friction in normal stage", friction_in_normal_stage, keeps_reference=True),
     Effect("incompressibility", incompressibility, keeps_reference=True),
     Effect("load schedule", load_schedule, keeps_reference=True),
+    Effect("bulk strain", bulk_strain, keeps_reference=True),
     Effect("indenter profile", profile, keeps_reference=True),
 )

@@ -83,7 +83,7 @@ def _load(given: dict[str, Any], friction: bool) -> AnyLoad:
 
 def _choose_mesh(raw: dict[str, dict[str, Any]], wanted: float, k: float, load: AnyLoad):
     """Put the cell sizes for an accuracy into the tables; SceneError where others are given."""
-    for key, value in accuracy.choose(wanted, k, getattr(load, "amplitude", 0.9)).mesh.items():
+    for key, value in accuracy.choose(wanted, k, accuracy.amplitude_of(load)).mesh.items():
         table, _, name = key.partition(".")
         given = plain(raw[table].setdefault(name, value))
         if given != value:

@@ -71,7 +71,7 @@ class Scaled:
 
     def elastic_compliance(self, scene: Scene) -> float:
         """Compliance of elastic slip: ``effects.elastic_slip`` over the friction mu P/(2a) of the mean pressure."""
-        return 2.0 * scene.effects.elastic_slip / self.scales.displacement / scene.mu
+        return 2.0 * (scene.effects.elastic_slip or 0.0) / self.scales.displacement / scene.mu
 
     @cached_property
     def kernel(self) -> GradedHalfPlane | LayeredKernel:

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
-from analytic import CylinderContact, GradedHalfPlane, ProfileContact
+from analytic import CylinderContact, GradedHalfPlane, ProfileContact, StretchedLoop
 
 from . import solid as solids
 from .errors import SceneError, one_line, shown
@@ -146,6 +146,30 @@ class Scene(BaseModel):
         virtual work are not looked at (``Effects.has_closed_form``).
         """
         return self.is_power_law and (self.is_decoupled or not (self.friction and self.effects.coupling))
+
+    @cached_property
+    def bulk_strain(self) -> float:
+        """Amplitude of the uniform strain of the body along x, tension positive; 0 without."""
+        load = self.load
+        if not isinstance(load, Fretting):
+            return 0.0
+        if load.bulk_stress is None:
+            return load.bulk_strain or 0.0
+        depth = load.bulk_depth
+        if depth is None and not isinstance(self.material, Homogeneous) and self.k != 0:
+            raise SceneError("load.bulk_depth is missing: the depth at which load.bulk_stress acts, a number > 0")
+        return load.bulk_stress * (1 - self.solid.nu**2) / solids.modulus_at(self.material, depth or 1.0)
+
+    @cached_property
+    def stretched_loop(self) -> StretchedLoop | None:
+        """Closed form of the uncoupled loop with bulk strain [X7], SI units; None where it does not hold."""
+        load = self.load
+        if not (isinstance(load, Fretting) and self.contact and (load.bulk_phase in (None, 0.0))):
+            return None
+        try:
+            return StretchedLoop(self.contact.fretting(self.mu, z=1 - load.amplitude), self.bulk_strain)
+        except ValueError:
+            return None
 
     @property
     def cell_sizes(self) -> dict[str, float]:

@@ -177,6 +177,33 @@ class Fretting(Load):
     cycles: Annotated[Integer, Unit("–")] = Field(
         default=1, ge=0, le=1000, description="to −Q_A and back; 0 stops at +Q_A"
     )
+    bulk_strain: Annotated[Number, Unit("–"), Field(ge=-0.1, le=0.1)] | None = Field(
+        default=None,
+        description="amplitude of a uniform strain of the body along x, tension > 0: [bulk_strain.md](bulk_strain.md)",
+    )
+    bulk_stress: Annotated[Number, Unit("Pa"), Field(ge=-1e12, le=1e12)] | None = Field(
+        default=None, description="the same as the stress E ε/(1−ν²) at the depth `bulk_depth`"
+    )
+    bulk_depth: Length | None = Field(
+        default=None, description="depth at which `bulk_stress` acts; not needed where E is constant"
+    )
+    bulk_phase: Annotated[Number, Unit("°"), Field(ge=-180, le=180)] | Literal["constant"] | None = Field(
+        default=None,
+        description='lag of the strain behind Q, 0 if empty; "constant": it grows with Q up to +Q_A, and stays',
+    )
+
+    @model_validator(mode="after")
+    def _bulk_keys_go_together(self):
+        if self.bulk_strain is not None and self.bulk_stress is not None:
+            raise SceneError("exactly one of load.bulk_strain and load.bulk_stress is to be given")
+        if self.bulk_depth is not None and self.bulk_stress is None:
+            raise SceneError(f"load.bulk_depth = {self.bulk_depth:g} is not allowed without load.bulk_stress")
+        phase = f"load.bulk_phase = {shown(self.bulk_phase)} is not allowed without"
+        if self.bulk_phase is not None and self.bulk_strain is None and self.bulk_stress is None:
+            raise SceneError(f"{phase} load.bulk_strain or load.bulk_stress")
+        if self.bulk_phase is not None and self.cycles == 0:
+            raise SceneError(f"{phase} a cycle, here load.cycles = 0")
+        return self
 
 
 class Indentation(Load):
@@ -216,7 +243,8 @@ class Path(Load):
 AnySolid = PowerLaw | Homogeneous | PowerLawCoating | LinearCoating | ExponentialCoating
 AnyIndenter = Parabola | Circle | Power | RoundedFlat | Formula
 AnyLoad = Fretting | Indentation | Path
-TANGENTIAL = ("mu", "amplitude", "cycles")  # keys of a load with friction
+BULK = ("bulk_strain", "bulk_stress", "bulk_depth", "bulk_phase")
+TANGENTIAL = ("mu", "amplitude", "cycles", *BULK)  # keys of a load with friction
 register(PowerLaw, Homogeneous, PowerLawCoating, LinearCoating, ExponentialCoating)
 register(Parabola, Circle, Power, RoundedFlat, Formula)
 register(Fretting, Indentation, Path)

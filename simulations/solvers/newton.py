@@ -202,6 +202,7 @@ class Newton:
 
     def _begin(self, load):
         self._scale = load.P
+        self.system.problem.body.stretch(load.strain)
         self.system.begin(load, self.x)
         attainable = ROUND_OFF * self.system.problem.terms.round_off() / self._scale
         self._tolerance = min(max(self._wanted, attainable), ATTAINABLE)

@@ -10,7 +10,8 @@ from matplotlib.ticker import MaxNLocator
 
 from ..command.command import comm, on_root, run, say
 from ..output.body_states import BodyState, read_states
-from ..output.style import panels, save, style
+from ..output.checkpoint import read_scene
+from ..output.style import in_words, panels, save, style
 from ..scene import SceneError
 from .commandline import make_folders, study_parser
 
@@ -31,8 +32,9 @@ def main(arguments: list[str]):
         shown = [state for state in states if state.label != "A, reloading"] or states  # A is there already
         columns = min(3, len(shown))
         rows = -(-len(shown) // columns)
-        note = "von Mises stress of plane strain at cell centres, from fields.xdmf; depth downwards."
-        figure, axes = panels(columns, "Stress in the body through the cycle", note, rows, width=4.2, height=2.6)
+        note = "von Mises stress of plane strain, means over cells, from the fields of the run; depth downwards."
+        title = f"Stress in the body through the cycle\n{in_words(given.scene)}"
+        figure, axes = panels(columns, title, note, rows, width=4.2, height=2.6)
         for axis, state in zip(axes.flat, shown, strict=False):
             filled = draw(axis, state, a, scale)
         for axis in axes.flat[len(shown) :]:
@@ -85,6 +87,7 @@ def read(arguments: list[str]) -> Namespace:
     parser.add_argument("--animate", action="store_true", help="write body.gif, too")
     given = parser.parse_args(arguments)
     given.states, given.a = read_states(given.folder), _half_width(given.folder)
+    given.scene = read_scene(given.folder)
     if not given.states:
         raise SceneError(f"{given.folder} holds a run that recorded no state")
     given.output = given.output or given.folder

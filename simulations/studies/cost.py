@@ -6,6 +6,7 @@
 import csv
 import importlib.util
 import json
+import math
 import os
 import shutil
 import subprocess
@@ -26,7 +27,7 @@ from .store import Store
 MARK = "measured: "  # before the line that a case's own process prints
 FIELDS = (
     "study problem level ranks tolerance unknowns surface_nodes increments iterations wall_s cpu_s factorisation_cpu_s "
-    "memory_gib pressure traction slip a c dissipated_energy largest failure"
+    "memory_gib pressure traction slip a c dissipated_energy largest largest_of_states failure"
 ).split()
 TEXTS = ("study", "problem", "level", "failure")
 
@@ -114,16 +115,17 @@ def calibrate(rows: list[dict]):
         if row["study"] in ("fineness", "half load") and not row["failure"]:
             key = Case("", row["problem"], "").k, float(row["level"])
             found.setdefault(key, []).append(row)
-    lines = {(m.k, m.fineness): (m.error, m.seconds) for m in accuracy.table()}
+    lines = {(m.k, m.fineness): (m.error, m.last, m.seconds) for m in accuracy.table()}
     for key, two in found.items():
         if len(two) == 2:
-            lines[key] = max(r["largest"] for r in two), max(r["cpu_s"] for r in two)
+            states = max(r.get("largest_of_states") or math.nan for r in two)
+            lines[key] = states, max(r["largest"] for r in two), max(r["cpu_s"] for r in two)
     with accuracy.TABLE.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(("k", "fineness", "error", "seconds"))
-        writer.writerows(
-            (f"{k:g}", f"{t:g}", f"{error:.2e}", f"{seconds:.2f}") for (k, t), (error, seconds) in sorted(lines.items())
-        )
+        writer.writerow(("k", "fineness", "error", "last", "seconds"))
+        for (k, t), (states, last, seconds) in sorted(lines.items()):
+            error = "" if math.isnan(states) else f"{states:.2e}"
+            writer.writerow((f"{k:g}", f"{t:g}", error, f"{last:.2e}", f"{seconds:.2f}"))
 
 
 def _number(name: str, text: str):

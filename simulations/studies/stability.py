@@ -77,7 +77,7 @@ def drawn_cases(count: int) -> dict[str, dict]:
             "solver.increments": int(random.integers(2, 7)),
             "mesh.degree": int(random.integers(1, 4)),
             "mesh.edge_facet": float(random.choice([0.02, 0.01, 5e-3])),
-            "effects.friction_in_normal_stage": bool(random.random() < 0.2),
+            "effects.friction_in_normal_stage": coupled and bool(random.random() < 0.2),
             "effects.coupling": coupled,
         }
         shown = ", ".join(f"{key.partition('.')[2]} {value}" for key, value in changes.items())
@@ -90,13 +90,16 @@ def solve(values: dict) -> dict:
     """One case: how it ended (``outcome``, ``why``) and its numbers."""
     start, values = time.perf_counter(), dict(values)
     every_state = values.pop(EVERY_STATE, False)
+    side = ""
     try:
-        row = _measure(make_scene(values, base=None), every_state)
+        scene = make_scene(values, base=None)
+        side = critical_friction.side(scene)
+        row = _measure(scene, every_state)
     except SceneError as reason:
         row = {"outcome": REFUSED, "why": str(reason)}
     except SolveError as reason:
         row = {"outcome": FAILED, "why": str(reason)}
-    return row | {"seconds": round(time.perf_counter() - start, 3)}
+    return row | {"friction": side, "seconds": round(time.perf_counter() - start, 3)}
 
 
 def _measure(scene: Scene, every_state: bool) -> dict:

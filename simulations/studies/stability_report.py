@@ -55,8 +55,12 @@ def table(rows: list[dict]) -> str:
             *worst,
         ]
         lines.append(f"| {name} | " + " | ".join(map(str, numbers)) + " |")
-    lines += ["", "| not green | how it ended | why |", "|---|---|---|"]
-    lines += [f"| {row['name']} | {row['outcome']} | {row['why']} |" for row in rows if row["outcome"] != GREEN]
+    lines += ["", "| not green | how it ended | why | friction beside the critical one |", "|---|---|---|---|"]
+    lines += [
+        f"| {row['name']} | {row['outcome']} | {row['why']} | {row.get('friction', '')} |"
+        for row in rows
+        if row["outcome"] != GREEN
+    ]
     return "\n".join(lines) + "\n"
 
 

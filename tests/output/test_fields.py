@@ -1,21 +1,23 @@
 """Fields of the body: against stresses that share nothing with the finite elements, and read back by other tools."""
 
 import csv
+import runpy
 
 import h5py
 import numpy as np
 import pandas
 import pytest
 import ufl
-from running import coarse_arguments, run_command
 from dolfinx import fem
 from mpi4py import MPI
+from running import coarse_arguments, run_command
 from solving import coarse_simulation
 
 from simulations import fretting
 from simulations.fem.body_sample import BodySampler
 from simulations.output.body_quantities import from_stress
 from simulations.output.body_states import body_functions
+from simulations.output.field_index import local_nodes
 from simulations.scene import SceneError
 from simulations.scene.output import FIELDS
 
@@ -145,11 +147,14 @@ for value in (u[0] ** 2, u[1], fields["stress_xy"] ** 2):
 """
 
 
-def test_functions_on_more_ranks(folder, tmp_path):
+def test_functions_on_more_ranks(folder, tmp_path, monkeypatch, capsys):
     """The same integrals on three ranks as on one."""
-    (tmp_path / "integrals.py").write_text(INTEGRALS)
-    found = [run_command(folder, ranks=ranks, cwd=tmp_path, module="integrals").stdout.split() for ranks in (1, 3)]
-    one, three = (np.array(values, float) for values in found)
+    program = tmp_path / "integrals.py"
+    program.write_text(INTEGRALS)
+    on_three = run_command(folder, ranks=3, cwd=tmp_path, module="integrals").stdout
+    monkeypatch.setattr("sys.argv", [str(program), str(folder)])
+    runpy.run_path(str(program), run_name="__main__")
+    one, three = (np.array(text.split(), float) for text in (capsys.readouterr().out, on_three))
     assert len(one) == 3 and three == pytest.approx(one, rel=1e-10)
 
 
@@ -167,6 +172,23 @@ def test_vtkhdf_has_what_the_states_have(folder):
                 with h5py.File(path) as state:
                     assert np.array_equal(vtk[f"{centre}/{name}"][start:stop], state[name][...])
     assert times == pytest.approx([1, 2, 2.5, 3, 3.5, 4, 6])
+
+
+def test_nodes_of_a_cubic_cell_are_in_the_order_of_vtk():
+    """Corners, then bottom, right, top and left edge, each in the direction of x or y, then row by row."""
+    edges = [(1, 0), (2, 0), (3, 1), (3, 2), (1, 3), (2, 3), (0, 1), (0, 2)]
+    inside = [(1, 1), (2, 1), (1, 2), (2, 2)]
+    assert local_nodes(3) == [(0, 0), (3, 0), (3, 3), (0, 3), *edges, *inside]
+
+
+def test_cells_have_their_nodes_in_place(folder):
+    """Each node of a cell lies at its share of the straight sides: nothing is folded or exchanged."""
+    with h5py.File(folder / "fields" / "mesh.h5") as file:
+        points, cells = file["points"][...], file["cells"][...]
+    low, high = points[cells[:, :1]], points[cells[:, 2:3]]
+    assert np.all(high[..., :2] > low[..., :2])
+    share = (points[cells] - low)[..., :2] / (high - low)[..., :2]
+    assert share == pytest.approx(np.broadcast_to(np.array(local_nodes(2)) / 2, share.shape), abs=1e-9)
 
 
 def test_lines(folder):

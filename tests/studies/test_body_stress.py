@@ -2,19 +2,17 @@
 
 import numpy as np
 import pytest
-from solving import coarse_simulation
+from running import coarse_arguments
 
+from simulations import fretting
 from simulations.output.body_states import read_states
-from simulations.output.results import Results
 from simulations.studies import body_stress as fields_panel
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    folder, simulation = tmp_path_factory.mktemp("run"), coarse_simulation()
-    with Results(folder, simulation) as results:
-        for entry in simulation.run():
-            results.record(entry)
+    folder = tmp_path_factory.mktemp("run")
+    fretting.main([*coarse_arguments(folder), "--quiet"])
     return folder
 
 

@@ -7,7 +7,7 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from ...runs import reference
-from ...runs.comparison import compare
+from ...runs.comparison import compare, worst
 from ...runs.simulation import Simulation
 from ...scene import parse
 from ...solvers.newton import bulk_solver
@@ -37,7 +37,9 @@ def measure(case: Case, comm=MPI.COMM_WORLD) -> dict:
     row |= {"iterations": sum(entry.iterations for entry in entries), "wall_s": wall, "cpu_s": cpu}
     row |= {"factorisation_cpu_s": _factorisation(body.constrained_stiffness), "memory_gib": memory}
     if comm.rank == 0:
-        row |= errors(compare(simulation.history, reference.of_same_physics(simulation)))
+        exact = reference.of_same_physics(simulation)
+        row |= errors(compare(simulation.history, exact))
+        row["largest_of_states"] = max(row["largest"], *worst(simulation.history, exact).values())
     return row
 
 

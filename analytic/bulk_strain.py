@@ -1,0 +1,214 @@
+"""Fretting while the body is stretched along the surface, as in fretting fatigue: [X7].
+
+The body carries the uniform strain eps beside the contact: u_x = eps x, tension positive. Normal
+contact does not feel it. A parabola moved aside differs from itself by a straight line, so that the
+stick zone keeps its width and moves by e = eps R/(mu alpha). Exact where normal and tangential
+problem are uncoupled.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .checks import require
+from .cylinder import CylinderContact
+from .fretting import ROUND_OFF, FrettingLoop
+from .partial_slip import PartialSlip
+from .quadrature import nodes_for, plain_rule
+from .special import log_remainder, parabolic_gap
+
+
+@dataclass(frozen=True)
+class StretchedPartialSlip:
+    """Partial slip (25), (26) of the cylinder when Q and the strain have grown together from zero.
+
+    state: the same without strain; strain: eps [1], of any shape that broadcasts with state.Q. The
+    range of validity is that of ``StretchedLoop``, which checks it.
+    """
+
+    state: PartialSlip
+    strain: float
+
+    @property
+    def contact(self) -> CylinderContact:
+        """Normal contact."""
+        contact = self.state.contact
+        assert isinstance(contact, CylinderContact)  # StretchedLoop refuses others
+        return contact
+
+    @property
+    def c(self):
+        """Half-width of the stick zone [length], from Q as without strain, (48)."""
+        return self.state.c
+
+    @property
+    def shift(self):
+        """Centre of the stick zone e = eps R/(mu alpha) [length], for Q < 0 its negative, [X7]."""
+        contact = self.contact
+        return self._direction * self.strain * contact.R / (self.state.mu * contact.solid.alpha)
+
+    def traction(self, x):
+        """q(x) = mu [p(x, a) - p(x - e, c)] [stress], [X7]."""
+        contact, mu = self.contact, self.state.mu
+        x, e, c, width = self._broadcast(x)
+        q = np.array(np.broadcast_to(contact.pressure(x), x.shape))
+        stick = np.abs(x - e) < c
+        x, e, c, width = x[stick], e[stick], c[stick], width[stick]
+        whole = (contact.a - x) * (contact.a + x)
+        lost = (width * (contact.a + c) - e * (2 * x - e)) / whole
+        log_left = np.log((c - (x - e)) / (contact.a - x) * ((c + (x - e)) / (contact.a + x)))
+        q[stick] *= -np.expm1((1 + contact.solid.k) / 2 * log_remainder(lost, log_left))
+        return (self._direction * mu * q)[()]
+
+    def slip(self, x):
+        """h_x(x - e) [length] with h_x of (50), zero in the stick zone, [X7].
+
+        For |x| > a it is the displacement of the free surface, stretched as it is, from the zone.
+        """
+        contact, k = self.contact, self.contact.solid.k
+        x, e, c, width = self._broadcast(x)
+        side = np.where(x >= e, 1.0, -1.0)
+        near = (side * x - contact.a) + width - side * e  # |x - e| - c without the rounding of c
+        beyond = np.where(width < contact.a / 2, near, np.abs(x - e) - c)
+        h = contact.profile(x - e) * parabolic_gap(np.abs(x - e), c, k, beyond) - contact.gap(x)
+        return (self._direction * self.state.mu * contact.solid.alpha * h)[()]
+
+    @property
+    def work(self):
+        """∫ mu p(x, a) |h_x(x - e)| dx [stress x length²], lost where points slid all along."""
+        contact, k = self.contact, self.contact.solid.k
+        e, c = float(self.shift), float(self.c)
+        width = -contact.a * np.expm1(self.state.log_ratio / (2 + k))
+        total = 0.0
+        for side in (1, -1):  # over ln |x - e|, from the edge of stick to the edge of contact
+            reach, span = contact.a - side * e, np.log1p(max(width - side * e, 0.0) / c)
+            t, rest, weight = plain_rule((3 - k) / 2, (1 + k) / 2, nodes_for(span))
+            distance, to_edge = c * np.exp(span * t), -reach * np.expm1(-span * rest)
+            depth = to_edge / contact.a * ((2 * contact.a - to_edge) / contact.a)
+            gap = distance**2 / (2 * contact.R)
+            gap *= parabolic_gap(distance, c, k, c * np.expm1(span * t))
+            total += span * np.sum(weight * distance * depth ** ((1 + k) / 2) * gap)
+        return self.state.mu**2 * contact.solid.alpha * contact.peak_pressure * total
+
+    @property
+    def _direction(self):
+        return np.copysign(1.0, self.state.Q)
+
+    def _broadcast(self, x):
+        """x, e, c and a - c, the last without the rounding error of c, of one shape."""
+        contact = self.contact
+        width = -contact.a * np.expm1(self.state.log_ratio / (2 + contact.solid.k))
+        return np.broadcast_arrays(np.asarray(x, dtype=float), self.shift, self.c, width)
+
+
+@dataclass(frozen=True)
+class StretchedLoop:
+    """Fretting loop of the cylinder with strain: 0 -> Q_A together with 0 -> strain, then the cycle.
+
+    loop: the same without strain; strain: its value at +Q_A [1], tension positive. in_phase: True
+    for eps = strain Q/Q_A throughout, False where it stays at ``strain`` once +Q_A is reached.
+    Fields take x of any shape and Q of any shape (broadcast with x).
+
+    Raises ValueError for another profile, and where one edge of the stick zone does not recede
+    while Q grows: |strain| > ``largest_strain``. Below it the stick zone stays in the contact.
+    A constant strain is described up to where the zone that has stuck since +Q_A meets the former
+    stick zone; beyond, and for its energy, ValueError.
+    """
+
+    loop: FrettingLoop
+    strain: float
+    in_phase: bool = True
+
+    def __post_init__(self):
+        if not isinstance(self.loop.contact, CylinderContact):
+            raise ValueError(
+                "the closed form with bulk strain is for the parabola: another profile that is "
+                "moved aside does not differ from itself by a straight line"
+            )
+        require("strain", self.strain, -np.inf)
+        if abs(self.strain) > self.largest_strain * (1 + ROUND_OFF):
+            raise ValueError(
+                f"strain = {self.strain!r} is outside the range of the closed form, |strain| <= "
+                f"alpha a Q_A/((2+k) P R) = {self.largest_strain!r}: beyond it one edge of the "
+                "stick zone does not recede as Q grows"
+            )
+
+    @property
+    def largest_strain(self):
+        """alpha a Q_A/((2+k) P R) [1]: up to it both edges of stick recede from Q = 0 on, [X7]."""
+        contact = self.loop.contact
+        alpha, k = contact.solid.alpha, contact.solid.k
+        return alpha * contact.a / contact.R * (self.loop.Q_A / contact.P) / (2 + k)
+
+    @property
+    def amplitude(self):
+        """The state at +Q_A, a StretchedPartialSlip."""
+        return StretchedPartialSlip(self.loop.amplitude, self.strain)
+
+    @property
+    def c(self):
+        """Half-width of the stick zone at +Q_A [length], (48)."""
+        return self.loop.c
+
+    @property
+    def shift(self):
+        """Centre e of the stick zone at +Q_A [length], [X7]."""
+        return self.amplitude.shift
+
+    def zone(self, Q, branch):
+        """Centre and half-width [length] of the zone that has stuck since the last turn of Q."""
+        step = self._step(Q, branch)
+        return step.shift, step.c
+
+    def traction(self, x, Q, branch):
+        """Tangential traction [stress] at the load Q on a branch, [X7]."""
+        return self._since_turn(Q, branch, lambda state: state.traction(x))
+
+    def slip(self, x, Q, branch):
+        """Slip from the unloaded state [length] at the load Q on a branch, [X7]."""
+        return self._since_turn(Q, branch, lambda state: state.slip(x))
+
+    def energy_density(self, x):
+        """Energy lost per cycle and area, 4 mu p(x, a) h_x(x - e, c) [stress x length], [X7]."""
+        self._require_cycle()
+        return 4 * self.amplitude.traction(x) * self.amplitude.slip(x)
+
+    @property
+    def dissipated_energy(self):
+        """Energy per cycle and thickness, the integral of the density [stress x length²], [X7]."""
+        self._require_cycle()
+        return self.loop.dissipated_energy if self.strain == 0 else 4 * self.amplitude.work
+
+    def dissipated(self, Q, branch):
+        """Energy per thickness lost on a branch up to the load Q, a number [stress x length²]."""
+        step = self._step(Q, branch)
+        if step.state.Q == 0:
+            return 0.0
+        return (1 if branch == "initial" else 2) * step.work
+
+    def _require_cycle(self):
+        if self.strain and not self.in_phase:
+            raise ValueError("a strain that stays constant has no closed form over a whole cycle")
+
+    def _since_turn(self, Q, branch, field):
+        """Field at Q: that of the last turn of the load plus twice that of half the step since."""
+        step = self._step(Q, branch)
+        if branch == "initial":
+            return field(step)
+        turn = 1 if branch == "unloading" else -1
+        return turn * field(self.amplitude) + 2 * field(step)
+
+    def _step(self, Q, branch):
+        state = self.loop.step(Q, branch)
+        if self.in_phase or branch == "initial":
+            share = state.Q / self.loop.Q_A if self.loop.Q_A else 0.0
+            return StretchedPartialSlip(state, self.strain * share)
+        outer = self.c + abs(self.shift)
+        if self.strain and (branch == "reloading" or np.any(state.c < outer * (1 - ROUND_OFF))):
+            k, limit = self.loop.contact.solid.k, self.loop.mu * self.loop.contact.P
+            last = self.loop.Q_A - 2 * limit * (1 - (outer / self.loop.a) ** (2 + k))
+            raise ValueError(
+                f"Q = {Q!r} on the {branch} branch is outside the range of the closed form with "
+                f"constant strain, {last!r} <= Q on the way down from +Q_A"
+            )
+        return StretchedPartialSlip(state, 0.0)

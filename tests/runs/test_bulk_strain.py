@@ -1,0 +1,123 @@
+"""Runs with bulk strain: against the closed form, against the mesh-free solver beyond it, and no trace without."""
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+from running import ROOT
+from solving import coarse_simulation, solved
+
+from simulations.loading.schedule import rocking, stretched
+from simulations.runs.comparison import compare, worst
+from simulations.runs.energy import EnergyMeter, worst_defect
+from simulations.runs.mesh_free import MeshFree
+from simulations.runs.reference import of_same_physics
+from simulations.runs.simulation import Simulation
+from simulations.runs.stretched import StretchedForm
+from simulations.scene import SceneError, parse
+
+UNCOUPLED = (ROOT / "scenes" / "uncoupled.toml").read_text(encoding="utf-8")
+GHENT = (ROOT / "scenes" / "ghent.toml").read_text(encoding="utf-8")
+STRAIN = 4e-4  # two thirds of the largest of the closed form at k = 0, 0.9 μP
+
+
+def test_no_trace_without_it():
+    """No field, no constant and no key."""
+    without, with_strain = coarse_simulation(), coarse_simulation(load__bulk_strain=1e-4)
+    forms = [simulation.solver.frictional.terms.forces_form.ufcx_form for simulation in (without, with_strain)]
+    assert forms[0].num_constants == forms[1].num_constants - 1
+    assert without.body.strain is None and without.body.unknowns <= with_strain.body.unknowns
+    assert "bulk" not in without.scene.to_toml()
+    assert not any(step.load.strain for step in without.schedule)
+
+
+def test_against_the_closed_form():
+    """Coarse cells; energy balance with the work of the strain; the slip in the stick zone is none."""
+    simulation = coarse_simulation(UNCOUPLED, solid__k=0.3, load__bulk_strain=1e-3)
+    meter = EnergyMeter(simulation.body)
+    for entry in simulation.run():
+        meter.read(entry)
+    exact = of_same_physics(simulation)
+    assert isinstance(exact, StretchedForm)
+    found = compare(simulation.history, exact)
+    assert found["traction_l2"] < 1e-2 and abs(found["dissipated_energy"]) < 1e-2 and abs(found["c"]) < 1e-2
+    assert worst_defect(meter.steps) < 1e-7
+    last, loop = simulation.history.entries[-1], simulation.stretched
+    assert np.mean(last.stick) == pytest.approx(loop.shift, abs=1e-2)
+    stuck = np.abs(last.surface.x - loop.shift) < 0.7 * loop.c
+    assert np.abs(last.slip[stuck]).max() < 1e-3 * np.abs(last.slip).max()
+
+
+def test_ghent_rig():
+    """Half-width, pressure and stick zone of the aluminium rig."""
+    simulation = solved(GHENT, load__cycles=0, mesh__edge_facet=0.005)
+    last, a = simulation.history.entries[-1], simulation.scene.half_width
+    assert a == pytest.approx(0.2067e-3, rel=3e-4)
+    assert last.surface.pressure.max() * simulation.scaled.scales.stress == pytest.approx(418.1e6, rel=2e-3)
+    left, right = last.stick
+    assert (right - left) / 2 == pytest.approx(0.2202, abs=3e-3)
+    assert (right + left) / 2 == pytest.approx(0.1993, abs=3e-3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("k", [0.0, 0.3])
+def test_default_mesh(k):
+    """1.5e-4 at ±Q_A, 3e-3 at every state."""
+    scene = parse(UNCOUPLED, (f"solid.k={k}", f"load.bulk_strain={STRAIN}"))
+    simulation = Simulation(MPI.COMM_SELF, scene).run_to_end()
+    exact = of_same_physics(simulation)
+    found = compare(simulation.history, exact)
+    assert found["traction_l2"] < 1.5e-4 and abs(found["dissipated_energy"]) < 2e-5
+    assert worst(simulation.history, exact)["traction_l2"] < 3e-3
+
+
+@pytest.mark.slow
+def test_beyond_the_closed_form():
+    """A strain a quarter of a cycle behind, coarse cells: the mesh-free solver under the same loads agrees."""
+    simulation = solved(UNCOUPLED, solid__k=0.3, load__bulk_strain=1e-3, load__bulk_phase=90)
+    other = of_same_physics(simulation)
+    assert isinstance(other, MeshFree)
+    assert compare(simulation.history, other)["traction_l2"] < 2e-2
+
+
+def test_strain_that_makes_all_slip():
+    with pytest.raises(SceneError, match="load.bulk_strain = 0.05 is not allowed: it makes the whole contact slip"):
+        coarse_simulation(UNCOUPLED, solid__k=0.0, load__bulk_strain=0.05)
+
+
+def test_strain_behind_the_load():
+    """In phase ε = ε_A Q/Q_A; 90° behind it is largest at Q = 0 on the way down; constant stays."""
+    schedule = rocking(1.0, 0.6, cycles=1, quarter=2)
+    in_phase, behind, constant = (
+        [step.load.strain for step in stretched(schedule, 2.0, phase)] for phase in (0.0, 90, "constant")
+    )
+    assert in_phase == pytest.approx([2 * step.Q / 0.6 for step in schedule])
+    down = np.array([step.branch == "unloading" for step in schedule])
+    assert np.array(behind)[down] == pytest.approx([3**0.5, 2, 3**0.5, 0], abs=1e-12)
+    assert np.array(behind)[~down] == pytest.approx([0, 0, -(3**0.5), -2, -(3**0.5), 0], abs=1e-12)
+    assert constant == pytest.approx([1, 2] + 8 * [2])
+
+
+def test_stress_instead_of_strain():
+    """ε = σ (1 - ν²)/E at the depth that is named."""
+    scene = parse(UNCOUPLED, ("load.bulk_stress=1e8", "load.bulk_depth=1e-3"))
+    E = scene.half_plane.modulus(1e-3)
+    assert scene.bulk_strain == pytest.approx(1e8 * (1 - 0.3**2) / E)
+
+
+@pytest.mark.parametrize(
+    "overrides, message",
+    [
+        (("load.bulk_strain=1e-4", "effects.friction=false"), "effects.friction = false"),
+        (("load.bulk_phase=90",), "without load.bulk_strain or load.bulk_stress"),
+        (("load.bulk_strain=1e-4", "load.bulk_phase=90", "load.cycles=0"), "without a cycle, here load.cycles = 0"),
+        (("load.bulk_strain=1e-4", 'load.bulk_phase="later"'), 'or "constant"'),
+        (("load.bulk_strain=0.2",), "-0.1 ≤ value ≤ 0.1"),
+        (("load.bulk_strain=1e-4", "load.bulk_stress=1e6"), "exactly one of load.bulk_strain and load.bulk_stress"),
+        (("load.bulk_depth=1.0",), "not allowed without load.bulk_stress"),
+        (("load.bulk_stress=1e6",), "load.bulk_depth is missing"),
+    ],
+)
+def test_refusals(overrides, message):
+    with pytest.raises(SceneError) as refusal:
+        parse(UNCOUPLED, overrides)
+    assert message in str(refusal.value) and "\n" not in str(refusal.value)

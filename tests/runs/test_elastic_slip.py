@@ -1,0 +1,92 @@
+"""Elastic slip: against the half-plane solver with the same term, its limit to zero, and what it does not change."""
+
+import numpy as np
+import pytest
+from solving import coarse_simulation
+
+from analytic import GradedHalfPlane, HalfPlaneContact, PowerLawKernel
+from analytic.half_plane.critical_friction import RateOperator, smallest_singular
+from analytic.half_plane.operator import element_moments
+from simulations.runs import checks
+from simulations.runs.energy import EnergyMeter, worst_defect
+from simulations.runs.reference import NoReference, of_same_physics
+from simulations.scene import SceneError
+
+LOOP = {"solid__k": 0.3, "solid__nu": 0.3, "load__mu": 0.3, "load__cycles": 0, "solver__increments": 4}
+
+
+def run(length=None):
+    """A coarse simulation with elastic slip of ``length`` P/E(a), run to its end, and its energy balance."""
+    plain = coarse_simulation(**LOOP)
+    if length is None:
+        simulation = plain
+    else:
+        metres = length * plain.scaled.scales.displacement
+        simulation = coarse_simulation(**LOOP, effects__elastic_slip=metres)
+    meter = EnergyMeter(simulation.body)
+    for entry in simulation.run():
+        meter.read(entry)
+    return simulation, worst_defect(meter.steps)
+
+
+@pytest.fixture(scope="module")
+def stiff():
+    return run()[0].history.entries
+
+
+def l2(surface, difference, scale):
+    return np.sqrt(surface.line_load(difference**2) / surface.line_load(scale**2))
+
+
+@pytest.fixture(scope="module")
+def elastic():
+    return run(0.1)
+
+
+def test_is_that_of_the_half_plane_solver_at_every_state(elastic):
+    simulation, balance = elastic
+    entries, mu = simulation.history.entries, simulation.mu
+    solver = HalfPlaneContact(simulation.scaled.kernel, simulation.scaled.indenter, mu, nodes=120, elastic=0.2 / mu)
+    states = solver.run([entry.increment.load.P, entry.increment.load.Q] for entry in entries)
+    for entry, state in zip(entries, states, strict=True):
+        surface = entry.surface
+        p, q = (np.interp(surface.x, state.x, f, left=0, right=0) for f in (state.pressure, state.traction))
+        assert l2(surface, surface.pressure - p, p) < 4e-3
+        assert l2(surface, surface.traction - q, mu * p) < 4e-3
+    assert simulation.history.dissipated_energy == pytest.approx(states[-1].dissipated_energy, rel=2e-2)
+    assert balance < 1e-8  # with what the elastic slip stores
+
+
+def test_the_run_holds_its_checks_and_says_that_it_is_regularised(elastic):
+    simulation, _ = elastic
+    found = checks.check(simulation.history, simulation.scaled.indenter.height)
+    assert checks.hold(found), checks.describe(found)
+    assert "elastic slip (regularised)" in simulation.effects
+    with pytest.raises(NoReference, match="regularised"):
+        of_same_physics(simulation)
+
+
+def test_its_limit_is_coulombs_law(stiff):
+    differences = []
+    for length in (0.03, 0.01, 0.003):
+        last = run(length)[0].history.entries[-1].surface
+        differences.append(l2(last, last.traction - stiff[-1].surface.traction, last.traction))
+    assert differences[0] < 0.03 and differences[-1] < 0.006
+    assert all(b < 0.6 * a for a, b in zip(differences, differences[1:]))
+
+
+def test_it_does_not_raise_the_critical_coefficient():
+    """The patterns have one stuck element, whose own motion does not matter."""
+    nodes = np.linspace(-1, 1, 11)
+    kernel = PowerLawKernel(GradedHalfPlane(1.0, 0.0, 0.0, 1.0))
+    normal, tangential, coupling = element_moments(kernel, (nodes[1:] + nodes[:-1]) / 2, nodes)[:, 0]
+    found = [
+        smallest_singular(RateOperator.from_compliance(tangential + c * np.eye(10), coupling, -coupling, normal))[0]
+        for c in (0.0, 0.1, 10.0)
+    ]
+    assert found == pytest.approx([found[0]] * 3, rel=1e-6)
+
+
+def test_wrong_lengths_are_refused():
+    with pytest.raises(SceneError, match="effects.elastic_slip"):
+        coarse_simulation(effects__elastic_slip=-1.0)
