@@ -68,9 +68,9 @@ def test_the_command_is_that_of_the_module():
 
 
 def test_every_command_is_listed():
-    modules = {path.stem for path in (ROOT / "simulations").glob("*.py")} - {"__init__", "__main__", "api"}
-    studies = (ROOT / "simulations" / "studies").glob("*.py")
-    modules |= {f"studies.{path.stem}" for path in studies if 'if __name__ == "__main__"' in path.read_text()}
+    folder, runs = ROOT / "simulations", 'if __name__ == "__main__"'
+    modules = {path.stem for path in folder.glob("*.py") if runs in path.read_text()} - {"__main__"}
+    modules |= {f"studies.{path.stem}" for path in (folder / "studies").glob("*.py") if runs in path.read_text()}
     assert {module for module, _, _ in commands.COMMANDS.values()} == modules
 
 
