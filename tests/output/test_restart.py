@@ -94,6 +94,7 @@ SCENES = {
         "output__states": '["normal", "C"]',
         "output__lines": "[[0, 0, 1e-3, 2e-3, 5]]",
     },
+    "bulk strain": {"solid__nu": 0.3, "load__bulk_strain": 3e-4, "load__bulk_phase": 60},
     "mixed": {"solid__nu": 0.5, "solid__k": -0.1},
     "friction first": {
         "solid__nu": 0.3,

@@ -1,11 +1,13 @@
 """Runs with bulk strain: against the closed form, against the mesh-free solver beyond it, and no trace without."""
 
 import numpy as np
+import pandas
 import pytest
 from mpi4py import MPI
-from running import ROOT
+from running import ROOT, coarse_arguments
 from solving import coarse_simulation, solved
 
+from simulations import fretting
 from simulations.loading.schedule import rocking, stretched
 from simulations.runs.comparison import compare, worst
 from simulations.runs.energy import EnergyMeter, worst_defect
@@ -121,3 +123,21 @@ def test_refusals(overrides, message):
     with pytest.raises(SceneError) as refusal:
         parse(UNCOUPLED, overrides)
     assert message in str(refusal.value) and "\n" not in str(refusal.value)
+
+
+def test_stress_far_from_the_contact_in_the_files(tmp_path):
+    """E(y) ε/(1 - ν²) at +Q_A, its opposite at -Q_A: P adds the same to both, Q what is odd in x."""
+    scene = tmp_path / "scene.toml"
+    scene.write_text(UNCOUPLED, encoding="utf-8")
+    strain, solved_for = 1e-3, parse(UNCOUPLED, ("solid.k=0.3",))
+    a = solved_for.half_width
+    lines = [[x * a, 2 * a, x * a, 15 * a, 4] for x in (-15, 15)]
+    changes = {"solid__k": 0.3, "load__bulk_strain": strain, "output__lines": lines, "reference__kind": '"none"'}
+    fretting.main([str(scene), *coarse_arguments(tmp_path / "run", **changes), "--quiet"])
+    table = pandas.read_csv(tmp_path / "run" / "lines.csv")
+    last = table["increment"] == table["increment"].max()
+    stress = {state: at["stress_xx[Pa]"].to_numpy() for state, at in table.groupby("state")}
+    depth = table["depth[m]"][last].to_numpy()[:4]
+    at_A, at_E = (stress[state][-8:].reshape(2, 4).mean(axis=0) for state in ("A", "E"))
+    expected = solved_for.half_plane.modulus(depth) * strain / (1 - 0.3**2)
+    assert (at_A - at_E) / 2 == pytest.approx(expected, rel=2e-3)

@@ -132,6 +132,21 @@ REFUSED: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "k of a homogeneous solid": (by_set("solid.modulus=homogeneous"), ("solid.k", 'solid.modulus = "homogeneous"')),
     "y0 twice": (("both_y0.toml",), ("exactly one of solid.y0 and solid.y0_over_a0",)),
     "points and P": (("points_and_P.toml",), ("load.P", "beside load.points")),
+    "bulk strain without friction": (
+        by_set("load.bulk_strain=1e-4", "effects.friction=false"),
+        ("load.mu", "effects.friction = false"),
+    ),
+    "bulk strain twice": (
+        by_set("load.bulk_strain=1e-4", "load.bulk_stress=1e6"),
+        ("exactly one of load.bulk_strain and load.bulk_stress",),
+    ),
+    "too much bulk strain": (by_set("load.bulk_strain=0.2"), ("load.bulk_strain = 0.2", "-0.1 ≤ value ≤ 0.1")),
+    "bulk stress at no depth": (by_set("load.bulk_stress=1e6"), ("load.bulk_depth is missing",)),
+    "phase of nothing": (by_set("load.bulk_phase=90"), ("load.bulk_phase = 90", "without load.bulk_strain")),
+    "phase without a cycle": (
+        by_set("load.bulk_strain=1e-4", "load.bulk_phase=90", "load.cycles=0"),
+        ("load.bulk_phase = 90", "load.cycles = 0"),
+    ),
     # numbers that do not fit together
     "overflow": (by_set("load.P=1e300", "solid.E0=1e-300"), ("do not fit together",)),
     "underflow": (by_set("load.P=1e-300", "solid.E0=1e300"), ("do not fit together",)),
