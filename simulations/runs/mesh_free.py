@@ -24,24 +24,27 @@ class NoReference(RuntimeError):
 class MeshFree:
     """States of the half-plane solver at the load steps of a simulation; NoReference where it fails.
 
-    nodes: with how many it converged. tell: called after each load step.
+    nodes: how many at each load step, the next number where one does not converge, and then with how many it did;
+    finer: load steps for one of the simulation; tell: called after each.
     """
 
     name = "mesh-free half-plane solver"
 
-    def __init__(self, simulation: Simulation, tell: Tell | None = None):
+    def __init__(
+        self, simulation: Simulation, tell: Tell | None = None, nodes: tuple[int, ...] = NODES, finer: int = FINER
+    ):
         friction_first = "friction in normal stage" in simulation.effects
-        loads, places = refined([step.load for step in simulation.schedule], friction_first)
+        loads, places = refined([step.load for step in simulation.schedule], friction_first, finer)
         failure = None
-        for nodes in NODES:
+        for count in nodes:
             try:
-                solver = half_plane_solver(simulation.scene, simulation.scaled, simulation.effects, nodes)
+                solver = half_plane_solver(simulation.scene, simulation.scaled, simulation.effects, count)
                 states = []
                 for state in solver.increments(loads):
                     states.append(state)
                     if tell:
                         tell(len(states), len(loads))
-                self.nodes = nodes
+                self.nodes = count
                 break
             except (RuntimeError, ValueError) as reason:
                 failure = failure or reason  # the one of the finest nodes is told
@@ -83,15 +86,15 @@ class MeshFree:
         return last_cycle(self._states, self._schedule)
 
 
-def refined(loads: list[Load], friction_first: bool) -> tuple[list[Load], list[int]]:
-    """Loads with FINER steps in the place of one, and where the given ones are among them.
+def refined(loads: list[Load], friction_first: bool, finer: int = FINER) -> tuple[list[Load], list[int]]:
+    """Loads with ``finer`` steps in the place of one, and where the given ones are among them.
 
     The first stays one step, as does frictionless pressing, which leaves no memory.
     """
-    finer, places = [loads[0]], [0]
+    all_loads, places = [loads[0]], [0]
     for before, after in zip(loads, loads[1:]):
-        steps = FINER if friction_first or any(after[1:]) or any(before[1:]) else 1
+        steps = finer if friction_first or any(after[1:]) or any(before[1:]) else 1
         for share in np.arange(1, steps + 1) / steps:
-            finer.append(Load(*(b + share * (a - b) for b, a in zip(before, after))))
-        places.append(len(finer) - 1)
-    return finer, places
+            all_loads.append(Load(*(b + share * (a - b) for b, a in zip(before, after))))
+        places.append(len(all_loads) - 1)
+    return all_loads, places
