@@ -15,6 +15,7 @@ from .springs import last_cycle
 Tell = Callable[[int, int], None]  # load steps done, and all of them
 NODES = (400, 300)  # the next number is tried where one does not converge
 FINER = 2  # load steps of the reference for one of the run: what depends on the steps is not shared
+COARSER_NODES = (300, 200)  # and the run's own load steps, for an estimate of the reference's error
 
 
 class NoReference(RuntimeError):
@@ -25,13 +26,20 @@ class MeshFree:
     """States of the half-plane solver at the load steps of a simulation; NoReference where it fails.
 
     nodes: how many at each load step, the next number where one does not converge, and then with how many it did;
-    finer: load steps for one of the simulation; tell: called after each.
+    finer: load steps for one of the simulation; tell: called after each. coarser: the same with fewer of both, made
+    if ``estimated`` and where P changes under friction: points that enter contact within a load step there keep an
+    error of first order in it. The difference is about the error of this solution.
     """
 
     name = "mesh-free half-plane solver"
 
     def __init__(
-        self, simulation: Simulation, tell: Tell | None = None, nodes: tuple[int, ...] = NODES, finer: int = FINER
+        self,
+        simulation: Simulation,
+        tell: Tell | None = None,
+        nodes: tuple[int, ...] = NODES,
+        finer: int = FINER,
+        estimated: bool = False,
     ):
         friction_first = "friction in normal stage" in simulation.effects
         loads, places = refined([step.load for step in simulation.schedule], friction_first, finer)
@@ -52,6 +60,9 @@ class MeshFree:
             raise NoReference(str(failure))
         self._states = [states[place] for place in places]
         self._schedule = simulation.schedule
+        pairs = zip(simulation.schedule, simulation.schedule[1:])
+        changing = any(a.P != b.P for b, a in pairs if friction_first or a.branch != "normal")
+        self.coarser = MeshFree(simulation, nodes=COARSER_NODES, finer=1) if estimated and changing else None
 
     def _at(self, entry: Entry) -> ContactState:
         return self._states[entry.number]

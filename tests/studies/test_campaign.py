@@ -1,8 +1,13 @@
 """The study of stated and true errors."""
 
 import pytest
+from mpi4py import MPI
 from running import run_command
 
+from simulations.runs.comparison import apart, compare_state
+from simulations.runs.reference import closed_form, of_same_physics
+from simulations.runs.simulation import Simulation
+from simulations.scene import make_scene
 from simulations.studies import campaign
 
 COARSE = {"mesh.facet": 0.2, "mesh.edge_facet": 0.02, "mesh.first_layer": 0.02, "solver.increments": 1}
@@ -20,6 +25,17 @@ def test_two_drawn_scenes(monkeypatch):
     assert {row["quantity"] for row in rows} == {"p", "q", "slip", "energy"}
     assert {row["verdict"] for row in rows} == {"holds"}
     assert all(0 < float(row["true"]) < 0.2 for row in rows if row["quantity"] in "pq")
+
+
+def test_error_of_the_reference_is_stated():
+    """P grows under Q at the Holl ratio, where springs are exact: there the half-plane solver's steps cost q most."""
+    values = {"solid.E0": 210e9, "solid.k": 0.3, "solid.nu": "holl", "solid.y0_over_a0": 10.0, "indenter.R": 0.1}
+    path = {"load.mu": 0.3, "load.points": [[2.5e5, 0.0], [1e6, 1.2e5]], "reference.kind": "half-plane"}
+    simulation = Simulation(MPI.COMM_SELF, make_scene(values | COARSE | path, base=None)).run_to_end()
+    reference, exact, last = of_same_physics(simulation), closed_form(simulation), simulation.history.entries[-1]
+    own, true = apart(last, reference.coarser, reference), apart(last, reference, exact)
+    assert 0.5 < own["traction_l2"] / true["traction_l2"] < 3.0
+    assert compare_state(last, reference)["traction_l2"] > own["traction_l2"] > 0.01
 
 
 @pytest.mark.parametrize(
