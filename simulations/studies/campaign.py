@@ -128,9 +128,7 @@ def verdict(row: dict) -> str:
 
 
 def flat(scenes: dict[str, dict], found: list[dict]) -> list[dict]:
-    """Rows of the CSV file: one a state and quantity, with the scene's numbers (P over the largest); and one a scene that
-    has none.
-    """
+    """Rows of the CSV file: one a state (P over the largest) and quantity, and one a scene that has none."""
     rows = []
     for (name, values), row in zip(scenes.items(), found, strict=True):
         number, _, kind = name.partition(" ")
