@@ -120,18 +120,26 @@ class EnteringPoints:
         self._ratios = {side: Ratio(float(r)) for side, r in zip(SIDES, ratios)}
 
     def end(self):
-        """After the points have come to rest: let open ones beside an edge follow those next to them by r."""
+        """After the points have come to rest: let open ones beside an edge go on as those inside were anchored.
+
+        Their own displacement has the error of the facet that the edge cuts, and that is no part of a path. Were they
+        left there, the next step would anchor them aside of their neighbours, and k < 0 would feel it as a zigzag.
+        """
         before, after = self._before, self._after
         if after is None or not self._beside:
             return
         (anchors,) = self._gathered(self._problem.memory.anchors())
         for side in SIDES:
             beyond = open_points(after.states, side)
+            inside = beyond[:1] - side  # sorted by x: the last in contact
             beyond = beyond[before.states[beyond] == OPEN]
             closed = before.clearance[beyond] - after.clearance[beyond]
             led, guides = np.split(np.arange(len(beyond))[: 2 * self._beside], [self._beside])
             if len(guides) and np.all(closed[: 2 * self._beside] > 0):
-                r = np.mean((anchors[beyond[guides]] - before.s[beyond[guides]]) / closed[guides])
+                if before.states[inside] == OPEN and after.states[inside] == CLOSED:
+                    r = (anchors[inside] - before.s[inside]) / before.clearance[inside]
+                else:  # none has entered, or those that have slide: as the open ones further out
+                    r = np.mean((anchors[beyond[guides]] - before.s[beyond[guides]]) / closed[guides])
                 anchors[beyond[led]] = before.s[beyond[led]] + r * closed[led]
         self._put(anchors)
 

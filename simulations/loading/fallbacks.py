@@ -20,14 +20,15 @@ class Options:
 
     halvings: of a load step, one within the other; sweeps: of the fixed point; anchor_passes: solves for the anchors
     of points that enter contact, which are settled once they change by less than ``anchors_settled`` of how far they
-    moved; fallbacks: names of those that are allowed; confirm: one more Newton iteration after the last, to see
-    whether contact states still change.
+    moved, in uncoupled contact, where they are exact, ``anchors_settled_uncoupled``; fallbacks: names of those that
+    are allowed; confirm: one more Newton iteration after the last, to see whether contact states still change.
     """
 
     halvings: int = 6
     sweeps: int = 60
     anchor_passes: int = 8
     anchors_settled: float = 1e-3
+    anchors_settled_uncoupled: float = 1e-5
     fallbacks: tuple[str, ...] = ("Newton", "guarded Newton", "fixed point")
     confirm: bool = False
 

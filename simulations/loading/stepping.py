@@ -167,12 +167,13 @@ class LoadStepping:
 
     def _with_entering_points(self, before, after):
         """``_solve``, again and again until the points that enter contact are anchored where the edge passed them."""
-        entering, settled, first_contact = self.entering, self.options.anchors_settled, before.P == 0.0
+        entering, options, first_contact = self.entering, self.options, before.P == 0.0
+        settled = options.anchors_settled_uncoupled if self._is_uncoupled else options.anchors_settled
         entering.begin(self._first_clearance() if first_contact else self._clearance(), first_contact)
         if self._is_uncoupled:
             self._renew_pressure(after)
         tried = self._solve(after)
-        for _ in range(self.options.anchor_passes):
+        for _ in range(options.anchor_passes):
             if not tried[-1].converged:
                 break
             found = self._save()

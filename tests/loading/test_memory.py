@@ -51,7 +51,7 @@ def failing(simulation) -> list[str]:
 
 
 @pytest.mark.parametrize("steps", [1, 3, 6, 24])
-@pytest.mark.parametrize("name, error", [("holl", 2.5e-3), ("uncoupled", 2e-3), ("steep", 2e-2)])
+@pytest.mark.parametrize("name, error", [("holl", 2.5e-3), ("uncoupled", 2e-3), ("steep", 2e-3)])
 def test_what_sticks_all_the_way_is_exact_with_any_number_of_steps(name, error, steps):
     """q = dQ/dP (p - p of the first point) to the error of the mesh, which has k < 0 at its steep edges."""
     simulation = run(STICKS[name], steps)
@@ -59,6 +59,8 @@ def test_what_sticks_all_the_way_is_exact_with_any_number_of_steps(name, error, 
     assert traction_error(simulation) < error
     assert last.c == pytest.approx(last.a, rel=4e-3 if name == "steep" else 1e-3)
     assert last.dissipated < 1e-6
+    scale = simulation.mu * np.ptp(last.surface.pressure)
+    assert checks.wiggles(last.surface.traction, scale) < 3e-3  # beside the edges of earlier steps, for k < 0
     assert not failing(simulation)
 
 
