@@ -21,6 +21,7 @@ COMMANDS = {  # name: module, its arguments, what it does
     "figures": ("studies.figures", "NAME", "the paper's figures"),
     "maps": ("studies.maps", "", "which grading loses least energy"),
     "stability": ("studies.stability", "", "hard cases"),
+    "campaign": ("studies.campaign", "", "stated beside true errors of random scenes"),
 }
 WRONG_INPUT = 2
 STACK = ("basix", "dolfinx", "gmsh", "mpi4py", "petsc4py", "ufl")  # which no wheel brings

@@ -7,7 +7,13 @@ from functools import lru_cache
 from math import inf, isfinite
 
 from analytic import GradedHalfPlane, PowerLawKernel
-from analytic.half_plane.critical_friction import CriticalFriction, RateOperator, critical_friction, sliver_singular
+from analytic.half_plane.critical_friction import (
+    ELEMENTS,
+    CriticalFriction,
+    RateOperator,
+    critical_friction,
+    sliver_singular,
+)
 
 from ..scene.effects import Effects
 from ..scene.scene import Scene
@@ -62,7 +68,7 @@ def describe(scene: Scene, critical: CriticalFriction) -> str:
     """On which side of the bounds the scene lies."""
     if not isfinite(critical.upper):
         return f"mu = {scene.mu:g}, without a bound"
-    bounds = f"{critical.lower:.3g} and {critical.upper:.3g}"
+    bounds = f"{critical.lower:.3g} and {critical.upper:.3g} of {ELEMENTS} equal half-plane elements"
     if scene.mu <= critical.lower:
         return f"mu = {scene.mu:g} is below the bounds {bounds}: rates of stick and slip are unique"
     if scene.mu < critical.upper:

@@ -15,6 +15,7 @@ from .springs import last_cycle
 Tell = Callable[[int, int], None]  # load steps done, and all of them
 NODES = (400, 300)  # the next number is tried where one does not converge
 FINER = 2  # load steps of the reference for one of the run: what depends on the steps is not shared
+COARSER_NODES = (300, 200)  # and the run's own load steps, for an estimate of the reference's error
 
 
 class NoReference(RuntimeError):
@@ -24,24 +25,34 @@ class NoReference(RuntimeError):
 class MeshFree:
     """States of the half-plane solver at the load steps of a simulation; NoReference where it fails.
 
-    nodes: with how many it converged. tell: called after each load step.
+    nodes: how many at each load step, the next number where one does not converge, and then with how many it did;
+    finer: load steps for one of the simulation; tell: called after each. coarser: the same with fewer of both, made
+    if ``estimated`` and where P changes under friction: points that enter contact within a load step there keep an
+    error of first order in it. The difference is about the error of this solution.
     """
 
     name = "mesh-free half-plane solver"
 
-    def __init__(self, simulation: Simulation, tell: Tell | None = None):
+    def __init__(
+        self,
+        simulation: Simulation,
+        tell: Tell | None = None,
+        nodes: tuple[int, ...] = NODES,
+        finer: int = FINER,
+        estimated: bool = False,
+    ):
         friction_first = "friction in normal stage" in simulation.effects
-        loads, places = refined([step.load for step in simulation.schedule], friction_first)
+        loads, places = refined([step.load for step in simulation.schedule], friction_first, finer)
         failure = None
-        for nodes in NODES:
+        for count in nodes:
             try:
-                solver = half_plane_solver(simulation.scene, simulation.scaled, simulation.effects, nodes)
+                solver = half_plane_solver(simulation.scene, simulation.scaled, simulation.effects, count)
                 states = []
                 for state in solver.increments(loads):
                     states.append(state)
                     if tell:
                         tell(len(states), len(loads))
-                self.nodes = nodes
+                self.nodes = count
                 break
             except (RuntimeError, ValueError) as reason:
                 failure = failure or reason  # the one of the finest nodes is told
@@ -49,6 +60,9 @@ class MeshFree:
             raise NoReference(str(failure))
         self._states = [states[place] for place in places]
         self._schedule = simulation.schedule
+        pairs = zip(simulation.schedule, simulation.schedule[1:])
+        changing = any(a.P != b.P for b, a in pairs if friction_first or a.branch != "normal")
+        self.coarser = MeshFree(simulation, nodes=COARSER_NODES, finer=1) if estimated and changing else None
 
     def _at(self, entry: Entry) -> ContactState:
         return self._states[entry.number]
@@ -83,15 +97,15 @@ class MeshFree:
         return last_cycle(self._states, self._schedule)
 
 
-def refined(loads: list[Load], friction_first: bool) -> tuple[list[Load], list[int]]:
-    """Loads with FINER steps in the place of one, and where the given ones are among them.
+def refined(loads: list[Load], friction_first: bool, finer: int = FINER) -> tuple[list[Load], list[int]]:
+    """Loads with ``finer`` steps in the place of one, and where the given ones are among them.
 
     The first stays one step, as does frictionless pressing, which leaves no memory.
     """
-    finer, places = [loads[0]], [0]
+    all_loads, places = [loads[0]], [0]
     for before, after in zip(loads, loads[1:]):
-        steps = FINER if friction_first or any(after[1:]) or any(before[1:]) else 1
+        steps = finer if friction_first or any(after[1:]) or any(before[1:]) else 1
         for share in np.arange(1, steps + 1) / steps:
-            finer.append(Load(*(b + share * (a - b) for b, a in zip(before, after))))
-        places.append(len(finer) - 1)
-    return finer, places
+            all_loads.append(Load(*(b + share * (a - b) for b, a in zip(before, after))))
+        places.append(len(all_loads) - 1)
+    return all_loads, places

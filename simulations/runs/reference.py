@@ -85,7 +85,7 @@ def of_same_physics(simulation: Simulation, tell: Tell | None = None) -> Referen
             return step_free.StepFree(simulation)
         except NoReference:  # the other solver may
             pass
-    return MeshFree(simulation, tell)
+    return MeshFree(simulation, tell, estimated=True)
 
 
 def describe(reference: Reference, simulation: Simulation) -> str:
@@ -95,7 +95,9 @@ def describe(reference: Reference, simulation: Simulation) -> str:
     if not isinstance(reference, (Springs, StretchedForm)):
         friction = "the same friction" if scene.friction else "no friction"
         nodes = f" of {reference.nodes} nodes" if isinstance(reference, MeshFree) else ""
-        return f"{reference.name}{nodes} with {friction}{' and coupling' if 'coupling' in simulation.effects else ''}"
+        own = ", whose own error is added to the errors" if getattr(reference, "coarser", None) else ""
+        coupling = " and coupling" if "coupling" in simulation.effects else ""
+        return f"{reference.name}{nodes} with {friction}{coupling}{own}"
     if not scene.friction:
         return "closed form of the frictionless contact"
     if "coupling" not in simulation.effects:

@@ -1,6 +1,9 @@
 """Reference of coupled loops: states of the half-plane found directly from the last turn of Q, without load steps."""
 
+import numpy as np
+
 from analytic import CoupledLoop
+from analytic.coupled.loop import ORDER
 from analytic.half_plane.linear import ContactNotConverged
 
 from .history import Entry
@@ -21,15 +24,20 @@ def serves(simulation: Simulation) -> bool:
 
 
 class StepFree:
-    """States of ``analytic.CoupledLoop`` at the load steps of a simulation; NoReference where it does not converge."""
+    """States of ``analytic.CoupledLoop`` at the load steps of a simulation; NoReference where it does not converge.
+
+    order: of its basis.
+    """
 
     name = "half-plane solver without load steps"
 
-    def __init__(self, simulation: Simulation):
+    def __init__(self, simulation: Simulation, order: int = ORDER):
         scaled, self._schedule = simulation.scaled, simulation.schedule
-        loop = CoupledLoop(scaled.solid, scaled.indenter.analytic(), P=1.0, mu=simulation.mu)
+        coupled = "coupling" in simulation.effects
+        loop = CoupledLoop(scaled.solid, scaled.indenter.analytic(), 1.0, simulation.mu, coupled, order)
         try:
-            self._states = loop.run([step.load for step in self._schedule])
+            with np.errstate(invalid="ignore"):  # a guess of the edges beyond the contact is taken back
+                self._states = loop.run([(step.P, step.Q) for step in self._schedule])
         except (ContactNotConverged, ValueError, ArithmeticError) as failure:
             raise NoReference(str(failure)) from None
 

@@ -87,11 +87,12 @@ def test_path_is_taken_in_halves_if_a_step_fails(monkeypatch):
 
     steps, advance = [], HalfPlaneContact._advance
 
-    def reluctant(self, memory, P, Q, normal_stage):
+    def reluctant(self, memory, load, normal_stage):
+        _, Q, _ = load
         if memory.state is not None and abs(Q - memory.state.Q) > 0.1:
             raise ContactNotConverged("a long step")
         steps.append(Q)
-        return advance(self, memory, P, Q, normal_stage)
+        return advance(self, memory, load, normal_stage)
 
     monkeypatch.setattr(HalfPlaneContact, "_advance", reluctant)
     solver = HalfPlaneContact(GradedHalfPlane(1.0, 0.3, 0.3, 1.0), PROFILE, 0.6, nodes=60)

@@ -217,13 +217,3 @@ def test_convergence_in_increments():
         energies.append(states[-1].dissipated_energy - states[1].dissipated_energy)
     steps = np.abs(np.diff(energies)) / energies[-1]
     assert steps[1] < 0.5 * steps[0] < 5e-3
-
-
-@pytest.mark.slow
-def test_time_of_one_loop():
-    """Forty increments with coupling take a few seconds; the limit leaves room for a busy machine."""
-    from time import perf_counter
-
-    start = perf_counter()
-    loop(0.3, increments=40)
-    assert perf_counter() - start < 20

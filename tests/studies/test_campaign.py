@@ -1,0 +1,63 @@
+"""The study of stated and true errors."""
+
+import pytest
+from mpi4py import MPI
+from running import run_command
+
+from simulations.runs.comparison import apart, compare_state
+from simulations.runs.reference import closed_form, of_same_physics
+from simulations.runs.simulation import Simulation
+from simulations.scene import make_scene
+from simulations.studies import campaign
+
+COARSE = {"mesh.facet": 0.2, "mesh.edge_facet": 0.02, "mesh.first_layer": 0.02, "solver.increments": 1}
+
+
+def test_two_drawn_scenes(monkeypatch):
+    """Each judged by its own reference, the coupled one by that without load steps; the stated errors are true."""
+    monkeypatch.setattr(campaign, "ORDERS", (3, 5))
+    scenes = {
+        name: values | COARSE | {"solid.k": 0.3, "load.cycles": 0} for name, values in campaign.drawn(2).items()
+    }
+    found = [campaign.solve(values) for values in scenes.values()]
+    assert [row["reference"] for row in found] == ["closed form", "half-plane solver without load steps"]
+    rows = campaign.flat(scenes, found)
+    assert {row["quantity"] for row in rows} == {"p", "q", "slip", "energy"}
+    assert {row["verdict"] for row in rows} == {"holds"}
+    assert all(0 < float(row["true"]) < 0.2 for row in rows if row["quantity"] in "pq")
+
+
+def test_error_of_the_reference_is_stated():
+    """P grows under Q at the Holl ratio, where springs are exact: there the half-plane solver's steps cost q most."""
+    values = {"solid.E0": 210e9, "solid.k": 0.3, "solid.nu": "holl", "solid.y0_over_a0": 10.0, "indenter.R": 0.1}
+    path = {"load.mu": 0.3, "load.points": [[2.5e5, 0.0], [1e6, 1.2e5]], "reference.kind": "half-plane"}
+    simulation = Simulation(MPI.COMM_SELF, make_scene(values | COARSE | path, base=None)).run_to_end()
+    reference, exact, last = of_same_physics(simulation), closed_form(simulation), simulation.history.entries[-1]
+    own, true = apart(last, reference.coarser, reference), apart(last, reference, exact)
+    assert 0.5 < own["traction_l2"] / true["traction_l2"] < 3.0
+    assert compare_state(last, reference)["traction_l2"] > own["traction_l2"] > 0.01
+
+
+@pytest.mark.parametrize(
+    "stated, true, doubt, said",
+    [
+        (1e-3, 1.9e-3, 0.0, "holds"),
+        (1e-3, 2.1e-3, 0.0, "too small"),
+        (1e-3, 1e-3, 4e-4, "truth not known"),
+        (1e-3, 1e-2, 3e-3, "too small"),
+    ],
+)
+def test_verdict(stated, true, doubt, said):
+    assert campaign.verdict({"stated": stated, "true": true, "doubt": doubt}) == said
+
+
+def test_the_draw_is_seeded_and_the_kinds_take_turns():
+    scenes = campaign.drawn(20)
+    assert list(scenes.items()) == list(campaign.drawn(40).items())[:20]
+    only = campaign.drawn(20, ["nested loops"])
+    assert len(only) == 4 and only.items() <= scenes.items()
+
+
+def test_a_wrong_number_of_scenes_is_one_line():
+    done = run_command("--drawn", "0", module="simulations.studies.campaign")
+    assert done.returncode == 2 and len(done.stderr.strip().splitlines()) == 1
