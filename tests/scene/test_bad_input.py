@@ -59,7 +59,7 @@ def test_all_of_them_on_three_ranks(folder):
 
 
 @pytest.mark.parametrize("ranks", [1, 3])
-@pytest.mark.parametrize("case", ["misspelt key", "absent scene", "output below a file"])
+@pytest.mark.parametrize("case", ["misspelt key", "absent scene", "output below a file", "phase without a cycle"])
 def test_commands_end_with_code_2(case, ranks, folder):
     arguments, words = REFUSED[case]
     done = run_command(*arguments, ranks=ranks, cwd=folder, timeout=60)
