@@ -67,7 +67,7 @@ def test_the_new_effect_is_a_key_a_reason_and_a_term(with_springs):
     assert "the surface is held" in str(simulation.effects)
     with pytest.raises(NoReference, match="no reference describes springs"):
         of_same_physics(simulation)
-    bare = coarse_simulation()
+    bare = coarse_simulation(cells=simulation.cells)
     more = simulation.body.constrained_stiffness.norm() - bare.body.constrained_stiffness.norm()
     assert abs(more) > 1e-9 * bare.body.constrained_stiffness.norm()
 
@@ -85,7 +85,7 @@ def test_the_springs_push_back_as_the_body_without_them_says(with_springs):
     scales, last = stiff.scaled.scales, stiff.history.entries[-1].surface
     kappa = STIFFNESS * scales.displacement / scales.stress
     forces = np.stack([last.traction - kappa * last.u[X], last.pressure - kappa * last.u[Y]], axis=1)
-    bare = coarse_simulation()
+    bare = coarse_simulation(cells=stiff.cells)
     body, nodes = bare.body, bare.sampler._nodes[bare.sampler._order]
     right, u = body.stiffness.createVecLeft(), body.stiffness.createVecRight()
     right.array[body.dofs[nodes]] = last.weight[:, None] * forces

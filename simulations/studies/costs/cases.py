@@ -112,7 +112,7 @@ def cases(with_getfem: bool = True) -> list[Case]:
         if unknowns < 5e4:
             sizes |= {"mesh.growth": 2.0, "mesh.layer_growth": 1.3}
         if unknowns > 8e5:
-            sizes |= {"mesh.layer_growth": 1.075}
+            sizes |= {"mesh.layer_growth": 1.1}
         for ranks in (1, 2):
             found.append(Case("size", "default", f"{unknowns:.0e} on {ranks}", sizes, ranks))
     found += [Case("peer", "peer", f"{t:g}", accuracy.family(t, 0.0) | {"solver.increments": 10}) for t in FINENESS[:7]]
