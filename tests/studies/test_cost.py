@@ -71,7 +71,7 @@ def test_dense_steps_reuse_what_they_know(monkeypatch):
     """
 
     def further_products():
-        simulation = solved(solver__increments=6)
+        simulation = solved(solver__increments=6, solid__nu=0.3)  # with coupling, where edges move
         counts = simulation.solver._newton.system.dense.counts
         iterations = sum(entry.iterations for entry in simulation.history.entries)
         rows = 2 * simulation.sampler.x.size

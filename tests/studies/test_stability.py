@@ -127,7 +127,7 @@ def test_last_point_that_sticks_is_pinned(monkeypatch):
     def shrunk():
         return Simulation(MPI.COMM_SELF, make_scene(SHRINKING, base=None)).run_to_end()
 
-    assert shrunk().history.entries[-1].increment.load == pytest.approx((0.5, 0.1))
+    assert shrunk().history.entries[-1].increment.load[:2] == pytest.approx((0.5, 0.1))
     monkeypatch.setattr(PinnedPoint, "update", lambda self: False)
     with pytest.raises(SolveError, match="singular"):
         shrunk()
