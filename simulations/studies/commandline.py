@@ -31,3 +31,14 @@ def make_folders(given: Namespace):
         if page.is_dir():
             raise SceneError(f"--page {page} is not allowed: a folder, not a file")
         writable(page.parent, "--page")
+
+
+def read_map(arguments: list[str], name: str, description: str | None, values: tuple[int, int]) -> Namespace:
+    """The checked command line of a map over k and nu. values: how many of each by default; SceneError where wrong."""
+    parser = study_parser(name, description, f"results/{name}")
+    parser.add_argument("--values", type=int, nargs=2, default=values, metavar=("K", "NU"), help="how many of each")
+    given = parser.parse_args(arguments)
+    if min(given.values) < 2:
+        raise SceneError(f"--values {' '.join(map(str, given.values))} is not allowed: two integers in [2, inf[")
+    make_folders(given)
+    return given

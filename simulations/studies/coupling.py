@@ -6,8 +6,6 @@ Every loop is computed by the mesh-free half-plane solver, with coupling and wit
 Q_A = 0.9 μP. The ranks share the loops; a study that was stopped goes on where it was.
 """
 
-from argparse import Namespace
-
 import matplotlib.pyplot as plt
 import numpy as np
 from scipy.interpolate import RectBivariateSpline
@@ -17,8 +15,7 @@ from analytic import GradedHalfPlane, HalfPlaneContact, PowerLawKernel, PowerPro
 from ..command.command import comm, on_root, run, say
 from ..output.files import write_table
 from ..output.style import RED
-from ..scene import SceneError
-from .commandline import make_folders, study_parser
+from .commandline import read_map
 from .engine import FAILED, Item, Row, run_all, workers
 from .store import Store
 
@@ -34,7 +31,7 @@ LEVELS = (0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0)  # per cent
 
 def main(arguments: list[str]):
     """Fill the table, then draw it."""
-    given = on_root(lambda: read(arguments))
+    given = on_root(lambda: read_map(arguments, "coupling", __doc__, (13, 6)))
     k, nu = (np.linspace(*ends, count) for ends, count in zip((K, NU), given.values, strict=True))
     points = [_point(a, b, mu) for mu in FRICTION for a in k for b in nu]
     items = [Item(f"k = {a:g}, nu = {b:g}, mu = {mu:g}", {"k": a, "nu": b, "mu": mu}) for a, b, mu in points]
@@ -48,17 +45,6 @@ def main(arguments: list[str]):
         write_table(given.output / "coupling.csv", table)
         _draw(given.output, found, k, nu)
         say(f"figure and table in {given.output}")
-
-
-def read(arguments: list[str]) -> Namespace:
-    """The checked command line; SceneError where it is wrong."""
-    parser = study_parser("coupling", __doc__, "results/coupling")
-    parser.add_argument("--values", type=int, nargs=2, default=(13, 6), metavar=("K", "NU"), help="how many of each")
-    given = parser.parse_args(arguments)
-    if min(given.values) < 2:
-        raise SceneError(f"--values {' '.join(map(str, given.values))} is not allowed: two integers in [2, inf[")
-    make_folders(given)
-    return given
 
 
 def changes(k: float, nu: float, mu: float) -> dict[str, float]:

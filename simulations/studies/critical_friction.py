@@ -5,8 +5,6 @@
 Half a minute on one core. docs/critical_friction.md says what the bounds are bounds of.
 """
 
-from argparse import Namespace
-
 import numpy as np
 
 from analytic import GradedHalfPlane, PowerLawKernel
@@ -15,8 +13,7 @@ from analytic.half_plane.critical_friction import RateOperator, critical_frictio
 from ..command.command import comm, on_root, run, say
 from ..output.files import write_table
 from ..output.style import BLACK, RED, panels, save, style
-from ..scene import SceneError
-from .commandline import make_folders, study_parser
+from .commandline import read_map
 
 K, NU = (-0.8, 0.8), (0.0, 0.5)
 LEVELS = (0.25, 0.5, 1.0, 1.5, 2.0, 3.0, 5.0, 10.0, 30.0)
@@ -25,7 +22,7 @@ PANELS = {"lower": "unique for every pattern below", "upper": "not unique from h
 
 def main(arguments: list[str]):
     """Fill the table, then draw it; on rank 0."""
-    given = on_root(lambda: read(arguments))
+    given = on_root(lambda: read_map(arguments, "critical_friction", __doc__, (17, 11)))
     if comm.rank:
         return
     k, nu = (np.linspace(*ends, count) for ends, count in zip((K, NU), given.values, strict=True))
@@ -33,17 +30,6 @@ def main(arguments: list[str]):
     write_table(given.output / "critical_friction.csv", rows)
     _draw(given.output, rows, k, nu)
     say(f"figure and table in {given.output}")
-
-
-def read(arguments: list[str]) -> Namespace:
-    """The checked command line; SceneError where it is wrong."""
-    parser = study_parser("critical_friction", __doc__, "results/critical_friction")
-    parser.add_argument("--values", type=int, nargs=2, default=(17, 11), metavar=("K", "NU"), help="how many of each")
-    given = parser.parse_args(arguments)
-    if min(given.values) < 2:
-        raise SceneError(f"--values {' '.join(map(str, given.values))} is not allowed: two integers in [2, inf[")
-    make_folders(given)
-    return given
 
 
 def row(k: float, nu: float) -> dict:
