@@ -19,6 +19,8 @@ FACETS = 3  # from a stop to the next, so that both can be placed in theirs
 SAMPLES = 200  # of q, for its norm
 MOST = 30  # edges on either side
 FINER_WITH_STRAIN = 6.0  # facets on the ways of the edges of stick, for the traction between the turns of Q
+FINER_WITH_COUPLING = 2.0  # the same where stops are not known
+ON_THE_WAY = 0.1  # error of p on the contact's way, for k >= 0, over that of facets under the cylinder at k = 0
 STOP = 2.0, 4.0  # error of q that a stop may cost (limits.expected_error) over facet², for k >= 0 and k < 0
 FIRST = 3  # facets, either side, in the contact of the first increment with friction
 
@@ -56,7 +58,8 @@ class ExpectedEdges:
         """Intervals (from, to, facet length) over which edges move, on both sides.
 
         For k < 0 traction ends the more steeply: facets are so small that an edge costs twice what it does at k = 0.
-        Where pressure ends too, they come close to ``edge_facet``. At a stop they are smaller the smaller q is in that
+        Where pressure ends too, they come close to ``edge_facet``; for k >= 0 they are so small that an edge costs
+        ON_THE_WAY. At a stop they are smaller the smaller q is in that
         state, so that its relative error is that of the others. The first contact has FIRST facets on either side.
         """
         steep = min(size_for(2 * expected_error(0.0, facet), min(k, 0.0)), facet / self.fineness)
@@ -64,7 +67,10 @@ class ExpectedEdges:
         if self.stick_way and steep < facet:
             ways.append((*self.stick_way, max(steep, edge_facet)))
         if self.contact_way:
-            ways.append((*self.contact_way, max(min(steep, edge_facet**0.9 * facet**0.1), edge_facet)))
+            size = min(steep, edge_facet**0.9 * facet**0.1)
+            if k >= 0:
+                size = min(size_for(ON_THE_WAY * expected_error(0.0, facet), k), facet / 2)
+            ways.append((*self.contact_way, max(size, edge_facet)))
         error = STOP[k < 0] * facet**2  # that of the smooth part of q falls like this too
         for stop in self.stops:
             apart = min((abs(stop.x - x) for x in {*self.edges, *(s.x for s in self.stops)} - {stop.x}), default=1.0)
@@ -169,6 +175,7 @@ def _rough_edges(scene, scaled, effects, loads):
             edges,
             contact_way=(float(way.min()), float(way.max())),
             stick_way=(min(edges), float(way.max())),
+            fineness=FINER_WITH_COUPLING,
             first=1 / scene.solver.normal_increments if first else None,
         )
     states = solver.run(loads)[::-1]
