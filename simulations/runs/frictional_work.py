@@ -65,8 +65,7 @@ def frictional_work(before: Moment, after: Moment, mu: float, k: float, earlier:
 
 
 def sliding_outwards(moment: Moment, sliding) -> np.ndarray:
-    """Sign (n,) of ``sliding`` between the edge of stick and that of contact on the side of each point; 0: they are one.
-    """
+    """Sign (n,) of ``sliding`` between the edges of stick and contact on the side of each point; 0: they are one."""
     contact = np.flatnonzero(moment.surface.pressure > 0)
     sticks = contact[sliding[contact] == 0]
     first, last = (sticks[0], sticks[-1] + 1) if len(sticks) else (contact[len(contact) // 2],) * 2
