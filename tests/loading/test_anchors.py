@@ -85,10 +85,10 @@ def test_points_that_stop_as_the_load_turns_back_stay():
 
 def test_where_the_edge_of_stick_begins_to_draw_points_go_on_from_where_they_were():
     """Further inside points stuck at zero before friction began: no curve goes through them and the edge."""
-    was = np.where(np.abs(X) > 0.4, np.sqrt(np.abs(np.abs(X) - 0.4)), 0.0)
-    before, after = touching(0.8, s=was, stick=0.4), touching(1.0, s=was + 0.3, stick=0.6)
+    was = np.where(np.abs(X) > 0.41, np.sqrt(np.abs(np.abs(X) - 0.41)), 0.0)
+    before, after = touching(0.8, s=was, stick=0.41), touching(1.0, s=was + 0.3, stick=0.61)
     for side in (-1, 1):
         points, anchors, start = anchors_of_stopped(X, before, after, side, was, np.nan)
-        inner, outer = side * start, np.abs(X)[np.abs(X) > 0.6].min()
-        assert inner == pytest.approx(0.4, abs=X[1] - X[0])
+        inner, outer = side * start, np.abs(X)[np.abs(X) > 0.61].min()
+        assert inner == pytest.approx(0.41, abs=X[1] - X[0])
         assert anchors == pytest.approx(was[points] + 0.3 * (np.abs(X[points]) - inner) / (outer - inner))
