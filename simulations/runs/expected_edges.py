@@ -19,10 +19,10 @@ FACETS = 3  # from a stop to the next, so that both can be placed in theirs
 SAMPLES = 200  # of q, for its norm
 MOST = 30  # edges on either side
 FINER_WITH_STRAIN = 6.0  # facets on the ways of the edges of stick, for the traction between the turns of Q
-FINER_WITH_COUPLING = 2.5  # the same where stops are not known
+FINER_WITH_COUPLING = 3.0  # the same where stops are not known
 EARLY, BESIDE = 3.0, 0.1  # finer where the edge of stick stops first, when q is small; so much further inside
 AT_STOPS = 2.0, 0.8  # error of q at k < 0 on the way of the edges of stick, without coupling and with it
-ON_THE_WAY = 0.1, 0.3  # error of p on the contact's way, k >= 0 and k < 0, over that of ``facet`` and k = 0
+ON_THE_WAY = 0.07, 0.3  # error of p on the contact's way, k >= 0 and k < 0, over that of ``facet`` and k = 0
 STOP = 2.0, 4.0  # error of q that a stop may cost (limits.expected_error) over facet², for k >= 0 and k < 0
 FIRST = 3  # facets, either side, in the contact of the first increment with friction
 
@@ -62,8 +62,9 @@ class ExpectedEdges:
         """Intervals (from, to, facet length) over which edges move, on both sides.
 
         For k < 0 traction ends the more steeply: facets are so small that an edge costs twice what it does at k = 0.
-        Where pressure ends too, it costs ON_THE_WAY; for k < 0 facets there only come close to ``edge_facet``. At a stop they are smaller the smaller q is in that
-        state, so that its relative error is that of the others. The first contact has FIRST facets on either side.
+        Where pressure ends too, it costs ON_THE_WAY; for k < 0 facets there only come close to ``edge_facet``. At a
+        stop they are smaller the smaller q is in that state, so that its relative error is that of the others. The
+        first contact has FIRST facets on either side.
         """
         wanted = AT_STOPS[self.early is not None] * expected_error(0.0, facet)
         steep = min(size_for(wanted, min(k, 0.0)), facet / self.fineness)
