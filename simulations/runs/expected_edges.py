@@ -21,6 +21,7 @@ MOST = 30  # edges on either side
 FINER_WITH_STRAIN = 6.0  # facets on the ways of the edges of stick, for the traction between the turns of Q
 FINER_WITH_COUPLING = 3.0  # the same where stops are not known
 EARLY, BESIDE = 3.0, 0.1  # finer where the edge of stick stops first, when q is small; so much further inside
+FINEST = 4.0  # the finest on that way with coupling, which k < -0.3 comes to: more takes minutes
 AT_STOPS = 2.0, 0.8  # error of q at k < 0 on the way of the edges of stick, without coupling and with it
 ON_THE_WAY = 0.07, 0.3  # error of p on the contact's way, k >= 0 and k < 0, over that of ``facet`` and k = 0
 STOP = 2.0, 4.0  # error of q that a stop may cost (limits.expected_error) over facet², for k >= 0 and k < 0
@@ -68,6 +69,8 @@ class ExpectedEdges:
         """
         wanted = AT_STOPS[self.early is not None] * expected_error(0.0, facet)
         steep = min(size_for(wanted, min(k, 0.0)), facet / self.fineness)
+        if self.early is not None:
+            steep = max(steep, facet / FINEST)
         ways = []
         if self.stick_way and steep < facet:
             ways.append((*self.stick_way, max(steep, edge_facet)))
