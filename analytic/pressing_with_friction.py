@@ -103,6 +103,14 @@ class PressingWithFriction:
         scale = self._compliance * self._density * a**m / m
         return (-self._drag * np.sign(x) * scale * self._fields.slip(np.abs(x) / a, m))[()]
 
+    def stick_displacement(self, x):
+        """u_x where x sticks [length], x of any shape: proportional to x|x|^(m-1), whatever P; nan for |x| > c."""
+        x, m = np.asarray(x, dtype=float), self.profile.m
+        if not self.stick_ratio:
+            return np.full(x.shape, np.nan)[()]
+        scale = -self._drag * self._compliance * self._density / m * self._fields.stick_slope(m)
+        return np.where(np.abs(x) <= self.stick_half_width, scale * x * np.abs(x) ** (m - 1), np.nan)[()]
+
     def _traction(self, x, density):
         a = self.contact_half_width
         return self._density * a ** (self._power - 1) * self._fields.grown(x / a, self._power, density)

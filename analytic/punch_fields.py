@@ -64,8 +64,16 @@ class PunchFields:
 
     def height_slope(self, m):
         """-∫_1^∞ u_y'(x) x^-m dx of the punch: A m/K over C for the profile A|x|^m and dP = C s^(m+k-1) ds."""
+        return self._slopes_outside(m)[1]
+
+    def stick_slope(self, m):
+        """∫_c^∞ u_x'(x) x^-m dx of the punch: u_x/(x|x|^(m-1)) in stick over K C/m."""
+        return -self._slopes_outside(m)[0] - np.sum(self._over_slip(lambda x, rest: x**-m))
+
+    def _slopes_outside(self, m):
+        """-∫_1^∞ u'(x) x^-m dx of both displacements, u_x and u_y."""
         punch, panels, medium = self.punch, self.punch.pressure_panels, self.punch.medium
-        k, total = medium.k, 0.0
+        k, total = medium.k, np.zeros(2)
         for j in range(len(panels.lo)):
             from_lo, to_hi, weight = panels.nodes(j)
             if j == len(panels.lo) - 1:
@@ -74,7 +82,8 @@ class PunchFields:
             gap = (panels.hi[-1] - panels.hi[j]) + to_hi
             near, far = _outside(gap, m, k), _outside(2 - gap, m, k)
             p, q = punch.pressure(j, from_lo, to_hi), punch.traction(j, from_lo, to_hi)
-            total += np.sum(weight * (medium.bk * p * (near + far) - k * medium.d * q * (near - far)))
+            total[0] += np.sum(weight * (medium.gk * q * (near - far) + k * medium.d * p * (near + far)))
+            total[1] += np.sum(weight * (medium.bk * p * (near + far) - k * medium.d * q * (near - far)))
         return total
 
     # -- the zone of slip --------------------------------------------------------------------------

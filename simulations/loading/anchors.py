@@ -14,6 +14,7 @@ contact, are anchored on the curve that this edge draws.
 The state after a step depends on the anchors: solve, measure, anchor, solve again.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -61,13 +62,15 @@ class EnteringPoints:
         self._before: Surface = None  # type: ignore[assignment]  # made by ``begin``
         self._after: Surface = None  # type: ignore[assignment]  # as last measured
         self._draws = False  # anchors points that stop where the edge of stick drew them
+        self._stuck = np.full(len(self._x), np.nan)  # where points stick, as far as it is known beforehand
         # from where on the edges of stick drew their curves: before a step, and after it; nan where they did not
         self._start = self._began = dict.fromkeys(SIDES, np.nan)
 
-    def begin(self, clearance: np.ndarray, is_first_contact: bool):
+    def begin(self, clearance: np.ndarray, is_first_contact: bool, stuck: Callable | None = None):
         """Keep the state before a step, and anchor open points as if they went on as in the step before.
 
-        clearance: of this rank's points (m,) before the step.
+        clearance: of this rank's points (m,) before the step; stuck: where points at x stick after it, nan where they
+        do not, if this is known.
         """
         memory = self._problem.memory
         states = memory.states_at_rest()
@@ -78,8 +81,9 @@ class EnteringPoints:
         self._draws = False
         self._began = dict.fromkeys(SIDES, np.nan)
         self._after = None  # type: ignore[assignment]
-        if not is_first_contact:
-            self._put(anchors_of_entering(self._x, self._before, self._before, self._ratios))
+        self._stuck = np.full(len(self._x), np.nan) if stuck is None else stuck(self._x)
+        if not is_first_contact or stuck:
+            self._put(self._touching(self._before))
 
     def renew(self, clearance: np.ndarray, settled: float) -> bool:
         """Measure r in the state after the step and anchor what has entered; False where it is anchored so already.
@@ -92,10 +96,11 @@ class EnteringPoints:
         self._after = after = Surface(*self._gathered(*local))
         (old,) = self._gathered(problem.memory.anchors())
         measure(self._x, before, after, self._ratios, self._window, self._beside)
-        touch = anchors_of_entering(self._x, before, after, self._ratios)
+        touch = self._touching(after)
         new = touch.copy()
         change = self._change(new, old)
-        if change <= settled and not self._is_uncoupled:  # the ratios have settled: what slides now does slide
+        known = self._is_uncoupled or np.any(np.isfinite(self._stuck))
+        if change <= settled and not known:  # the ratios have settled: what slides now does slide
             self._draws = True
         if self._draws:
             for side in SIDES:
@@ -107,6 +112,11 @@ class EnteringPoints:
             return False
         self._put(new)
         return True
+
+    def _touching(self, after):
+        """Anchors of all points where they stick, as far as that is known, and otherwise where they would touch."""
+        touch = anchors_of_entering(self._x, self._before, after, self._ratios)
+        return np.where(np.isnan(self._stuck), touch, self._stuck)
 
     def _change(self, new, old) -> float:
         """Largest change of anchors over the largest motion, but of points that slide with the new ones as well."""

@@ -1,8 +1,10 @@
 """Load stepping: press, then rock, load step by load step, with half steps where every way of solving one fails."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
+
+import numpy as np
 
 from ..fem.contact_problem import ContactProblem
 from ..fem.load import NO_LOAD, Load
@@ -10,6 +12,8 @@ from ..solvers.newton import FORCE_TOLERANCE, Newton, NewtonResult, System
 from .anchors import EnteringPoints
 from .fallbacks import FALLBACKS, Options
 from .schedule import LoadStep
+
+Stuck = Callable[[np.ndarray, float], np.ndarray]
 
 
 class SolveError(RuntimeError):
@@ -47,7 +51,8 @@ class LoadStepping:
 
     normal: the frictionless problem; frictional: the one that takes over when tangential loading starts, or from
     the first contact on (``friction_first``), or None; system: function from a problem to the newton.System that
-    solves it; tolerance: Newton's, of forces and loads over P.
+    solves it; tolerance: Newton's, of forces and loads over P; stuck: where points at x (n,) stick while P grows from
+    first contact under friction, as a function of x and P, nan where they do not; None where this is not known.
     """
 
     def __init__(
@@ -57,10 +62,11 @@ class LoadStepping:
         system,
         friction_first=False,
         tolerance: float = FORCE_TOLERANCE,
+        stuck: Stuck | None = None,
     ):
         self.problem, self.normal, self.frictional = normal, normal, frictional
         self.body, self._system = normal.body, system
-        self._friction_first, self._tolerance = friction_first, tolerance
+        self._friction_first, self._tolerance, self._stuck = friction_first, tolerance, stuck
         self.options = Options()
         self._newton: Newton = None  # type: ignore[assignment]  # made when the stage begins
         self._normal_newton: Newton = None  # type: ignore[assignment]
@@ -93,8 +99,11 @@ class LoadStepping:
         before = schedule[done - 1].load if done else NO_LOAD
         if not done:
             self._newton = self._start(self.problem)
-        for step in schedule[done:]:
+        pressed = _pressed_first(schedule) if self._stuck else 0
+        for number, step in enumerate(schedule[done:], done):
             self._results, self._ways = [], []
+            if number == pressed:
+                self._stuck = None
             if self.problem is not self.frictional and (step.branch != "normal" or self._friction_first):
                 if self._friction_first:  # the frictionless contact of the first step is where Newton starts
                     self._advance(before, step.load, step.branch)
@@ -169,7 +178,8 @@ class LoadStepping:
         """``_solve``, again and again until the points that enter contact are anchored where the edge passed them."""
         entering, options, first_contact = self.entering, self.options, before.P == 0.0
         settled = options.anchors_settled_uncoupled if self._is_uncoupled else options.anchors_settled
-        entering.begin(self._first_clearance() if first_contact else self._clearance(), first_contact)
+        clearance = self._first_clearance() if first_contact else self._clearance()
+        entering.begin(clearance, first_contact, partial(self._stuck, P=after.P) if self._stuck else None)
         if self._is_uncoupled:
             self._renew_pressure(after)
         tried = self._solve(after)
@@ -227,3 +237,10 @@ class LoadStepping:
             self.problem.memory.restore(memory)
         if held is not None:
             self.problem.held.restore(*held)
+
+
+def _pressed_first(schedule: list[LoadStep]) -> int:
+    """How many load steps, from the first, do nothing but press further."""
+    loads = [NO_LOAD, *(step.load for step in schedule)]
+    others = (n for n, (a, b) in enumerate(zip(loads, loads[1:])) if b.P <= a.P or any(b[1:]))
+    return next(others, len(schedule))

@@ -1,9 +1,10 @@
 """From a scene to states: mesh, contact problem and load schedule put together. No files."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import cached_property
 
-from analytic import GradedHalfPlane, point_force_displacement
+from analytic import GradedHalfPlane, PowerProfile, PressingWithFriction, point_force_displacement
 
 from ..fem.body import ElasticBody, X, Y
 from ..fem.contact_problem import ContactProblem, Nitsche
@@ -27,6 +28,7 @@ from .timing import Stopwatch
 # The far field that vanishes at infinity is a rigid translation of order 1/k and little else where k > 0 is small: its
 # last digits would be contact forces. Below this k the field is measured from the depth of the domain, as for k <= 0.
 SMALLEST_K_AT_INFINITY = 0.01
+STUCK_TERMS = 8  # of the exact contact pressed on with friction: 1e-5 of the displacement or better
 
 
 class Simulation(Meshed):
@@ -78,7 +80,7 @@ class Simulation(Meshed):
                 elastic = self.scaled.elastic_compliance(scene) if "elastic slip (regularised)" in self.effects else 0.0
                 frictional = ContactProblem(self.body, indenter.height, nitsche, directions, self.mu, elastic)
         self.solver = LoadStepping(
-            normal, frictional, self._system, "friction in normal stage" in self.effects, tolerance
+            normal, frictional, self._system, "friction in normal stage" in self.effects, tolerance, self._stuck()
         )
         self.body.delta.value[Y] = indenter.height(1.0)  # overlap on |x| < a: where Newton starts
         self.sampler = SurfaceSampler(self.body, normal, scene.friction and "coupling" not in self.effects)
@@ -156,6 +158,15 @@ class Simulation(Meshed):
     @cached_property
     def _compliance(self):
         return SurfaceCompliance(self.body)
+
+    def _stuck(self):
+        """Where points stick in a contact that grows under friction, similar to itself; None where it does not."""
+        on, solid, profile = self.effects, self.scaled.solid, self.scaled.indenter.analytic()
+        grows_alike = "friction in normal stage" in on and "coupling" in on and self.scene.is_power_law
+        if not grows_alike or not isinstance(profile, PowerProfile) or on.without_reference:
+            return None
+        pressing = PressingWithFriction(solid, profile, self.mu, 1.0, STUCK_TERMS)
+        return lambda x, P: replace(pressing, P=P).stick_displacement(x)
 
     def _far_field(self):
         """Displacement of line loads: far away a coating is not seen."""
