@@ -20,6 +20,7 @@ from ..scene.scene import Scene
 from ..solvers.condensed.system import CondensedSystem
 from .simulation import Simulation
 
+OTHER_METHOD = "solver.theta = 0 or a larger solver.gamma0 may help"
 REMEDY = "effects.elastic_slip, a smaller load.mu or another mesh.degree may help"
 FINER = "a smaller mesh.edge_facet or more solver.increments may help"
 PLACES = 12  # of a sliver on the mesh
@@ -83,14 +84,15 @@ def numbers(critical: CriticalFriction | None) -> dict[str, float | str | None]:
 
 
 def cause(simulation: Simulation) -> str:
-    """Why tractions may go up and down from node to node, and what can be done; "" without coupling. On rank 0."""
+    """Why tractions may go up and down from node to node, and what can be done. On rank 0."""
     scene = simulation.scene
-    critical = expected(scene, simulation.effects)
+    critical, own = expected(scene, simulation.effects), of_mesh(simulation)
+    if scene.solver.theta > 0:
+        return f"contact terms with solver.theta = {scene.solver.theta} are not stable for every gamma0: {OTHER_METHOD}"
     if critical is None:
-        return ""
-    own = of_mesh(simulation)
+        return f"rates of stick and slip are unique without coupling: {FINER}"
     if own is None:
-        return describe(scene, critical)
+        return f"{describe(scene, critical)}: {REMEDY if scene.mu > critical.lower else FINER}"
     if scene.mu >= own:
         lost = "from where on Coulomb's law has no unique rate solution on this mesh"
         return f"mu = {scene.mu:g} is above {own:.3g}, {lost}: {REMEDY}"
