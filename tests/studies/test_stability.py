@@ -2,7 +2,6 @@
 
 import csv
 import json
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,7 +11,7 @@ from solving import coarse_simulation, limit_stepping, solved
 
 from simulations.fem import body
 from simulations.loading.pinning import PinnedPoint
-from simulations.loading.stepping import LoadStepping, SolveError
+from simulations.loading.stepping import SolveError
 from simulations.runs import checks
 from simulations.runs import expected_edges as edges
 from simulations.runs.energy import EnergyMeter, worst_defect
@@ -82,21 +81,6 @@ def test_first_contact_has_facets_enough(monkeypatch):
     monkeypatch.setattr(edges, "FIRST", 0.5)
     with pytest.raises(SolveError, match="singular"):
         solved(**scene)
-
-
-def test_a_restored_state_balances_as_it_did(monkeypatch):
-    """Where a pass for the anchors fails, the last state and its forces are back: its displacements lose their digits."""
-    solve, loads = LoadStepping._solve, []
-
-    def second_fails(self, load):
-        loads.append(load)
-        return [replace(solve(self, load)[-1], converged=len(loads) < 2 or loads[-2] is not load)]
-
-    monkeypatch.setattr(LoadStepping, "_solve", second_fails)
-    scene = {"solid__nu": 0.0, "solid__k": -0.5, "load__mu": 1.0, "load__cycles": 0, "solver__increments": 2}
-    history = solved(**scene).history
-    assert any(a is b for a, b in zip(loads, loads[1:]))
-    assert all(entry.residual <= entry.tolerance for entry in history.entries[1:])
 
 
 def test_a_cycle_ends_at_once(monkeypatch):
@@ -357,9 +341,8 @@ def test_the_draw_is_seeded_and_admissible():
 @pytest.mark.parametrize(
     "outcome, why, what",
     [
-        (REFUSED, "mesh.edge_facet = 0.02 is too coarse: 0.01 or less would do", "the value that the reason names"),
-        (REFUSED, "after the solve: traction wiggles 8.0e-02; mu = 2 is above 1.4: less load.mu may help", "less"),
-        (REFUSED, "after the solve: energy balance 3.9e-06", "first_layer"),
+        (REFUSED, "mesh.edge_facet = 0.02 is too coarse: 0.01 or less would do", "the reason names"),
+        (REFUSED, "after the solve: traction wiggles 8.0e-02; mu = 2 is above 1.4: less of it may help", "less of it"),
         (FAILED, "no equilibrium: Newton cycles", "increments"),
     ],
 )
