@@ -27,6 +27,7 @@ from ..fem.contact_problem import ContactProblem
 COUPLED, UNCOUPLED = (0.1, 0.6), (0.5, 2.0)
 BESIDE = 8  # points beside the edge, whose displacement has the error of the facet that it cuts
 STEPS = 0.3, 3.0  # shortest and longest step of the secant method, over the defect
+FOLLOWS = 2.0  # times as far as the edge of contact that of stick goes which follows it; further it goes in a reversal
 SIDES = (-1, 1)  # left, right
 
 
@@ -216,7 +217,9 @@ def anchors_of_stopped(x, before: Surface, after: Surface, side: int) -> tuple[n
         share = before.clearance / before.clearance[outer]
         stopped = stopped[side * x[stopped] > side * x[np.argmin(before.clearance)]]
         return stopped, after.s[outer] * share[stopped]
-    if first == 0:
+    was = x[before.states != OPEN]
+    moved = abs(x[outwards[-1]] - (was[-1] if side > 0 else was[0]))
+    if first == 0 or abs(x[stopped[-1]] - x[stopped[0]]) > FOLLOWS * moved:
         return outwards[:0], np.zeros(0)
     inner = outwards[first - 1]
     support = [inner, outer]

@@ -80,3 +80,10 @@ def test_points_that_stop_as_the_load_turns_back_stay():
     after.states[after.states == FORWARD] = BACKWARD
     for side in (-1, 1):
         assert len(anchors_of_stopped(X, before, after, side)[0]) == 0
+
+
+def test_points_that_stop_as_the_load_turns_back_stay_though_the_outermost_slide_on():
+    """Those that enter contact just then slide: the edge of stick has gone much further than that of contact."""
+    before, after = touching(0.8, stick=0.3), touching(0.85, stick=0.8)
+    for side in (-1, 1):
+        assert len(anchors_of_stopped(X, before, after, side)[0]) == 0
