@@ -143,7 +143,8 @@ def test_the_exit_code_of_a_batch_system(tmp_path):
 def test_a_stopped_sweep_says_how_to_go_on(ranks, number, code, tmp_path):
     """To rank 0, or to mpirun, which then has a code of its own; what is finished is kept, as after a SIGKILL."""
     arguments = coarse_arguments(tmp_path, reference__kind='"none"')
-    process = start("--vary", "solid.k=0.0:0.4:40", *arguments, ranks=2 if ranks != 1 else 1, module="simulations.sweep")
+    vary = ["--vary", "solid.k=0.0:0.4:40"]
+    process = start(*vary, *arguments, ranks=1 if ranks == 1 else 2, module="simulations.sweep")
     watchdog = threading.Timer(120, process.kill)
     watchdog.start()
     kept = tmp_path / "sweep.jsonl"

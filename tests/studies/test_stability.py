@@ -290,11 +290,11 @@ def outcomes(names) -> dict[str, str]:
 
 
 def test_a_part_of_the_matrix():
-    names = list(stability.read_cases())[::14]
+    names = list(stability.read_cases())[12::14]  # from here on as many studies as from 0 on, in half the time
     ended = outcomes(names)
     assert set(ended.values()) <= {GREEN, REFUSED}, ended
     refused = [name for name, outcome in ended.items() if outcome == REFUSED]
-    assert [name.split(":")[0] for name in refused] == ["box pressure", "small amplitude"], refused
+    assert [name.split(":")[0] for name in refused] == ["box pressure", "small amplitude", "absurd meshes"], refused
 
 
 def test_the_command_writes_and_resumes(tmp_path):
