@@ -148,7 +148,7 @@ def read(arguments: list[str]) -> Namespace:
     parser.add_argument("--repeats", type=int, default=REPEATS, help="runs of which the quickest counts")
     given = parser.parse_args(arguments)
     if given.repeats < 1:
-        raise SceneError(f"--repeats {given.repeats} is not allowed: an integer in [1, inf[")
+        raise SceneError(f"--repeats {given.repeats} is not allowed: an integer ≥ 1")
     given.page = given.page or given.output / "ablation.md"
     make_folders(given)
     return given
