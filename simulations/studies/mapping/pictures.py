@@ -13,7 +13,7 @@ from .points import Energies, Point
 DEPTHS = np.geomspace(1e-2, 1e2, 81)  # y0/a0
 LEVELS = 2.0 ** np.arange(-5, 6)  # of ratios
 CHANGES = np.array([-80, -70, -60, -50, -40, -30, -20, -10, -5, -2, -1, 0])  # of the energy by coupling [%]
-FINE = 121  # points a side between which contours are straight
+FINE = len(DEPTHS)  # points a side between which contours are straight
 NAMES = {"energy": r"energy per cycle $\Delta W$", "density": r"peak density $\max\,w$"}
 SHAPES = {1.5: "$f\\sim|x|^{1.5}$", 2.0: "$f\\sim x^2$", 4.0: "$f\\sim x^4$"}
 
