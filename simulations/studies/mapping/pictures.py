@@ -73,7 +73,7 @@ def coupling_effect(found: dict[Point, Energies], theory: dict[Point, Energies],
         axis.plot(*np.array(list(of_m)).T, ".", ms=2.5, color="white")
         axis.set(xlabel="exponent $k$ [–]", ylabel=r"amplitude $Q_A/(\mu P)$ [–]", title=shape(m))
         axis.grid(False)
-    figure.colorbar(filled, ax=axes[0].tolist(), label=r"change of $\Delta W$ by coupling [%]")
+    figure.colorbar(filled, ax=axes[0].tolist(), ticks=CHANGES, label=r"change of $\Delta W$ by coupling [%]")
     return figure
 
 
