@@ -189,7 +189,7 @@ def read(arguments: list[str]) -> tuple[Namespace, dict[str, dict]]:
     given = parser.parse_args(arguments)
     cases = read_cases(given.only)
     if given.drawn < 0:
-        raise SceneError(f"--drawn {given.drawn} is not allowed: an integer in [0, inf[")
+        raise SceneError(f"--drawn {given.drawn} is not allowed: an integer ≥ 0")
     cases |= drawn_cases(given.drawn)
     given.page = given.page or given.output / "stability.md"
     make_folders(given)

@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from mpi4py import MPI
@@ -14,6 +15,7 @@ from running import MPI_ENVIRONMENT, ROOT, run_command
 
 from analytic import GradedHalfPlane, ProfileContact
 from simulations.studies.loops import simulate
+from simulations.studies.mapping import pictures
 from simulations.studies.mapping.answers import answer
 from simulations.studies.mapping.points import (
     Point,
@@ -97,6 +99,20 @@ def test_answers():
     assert (thin.least[0], thin.most[0]) == (0.5, -0.5)
     homogeneous = float(energies.curve(0.0, 1.0, 0.6))
     assert thick.most[1] == pytest.approx(float(energies.curve(0.5, 10.0, 0.6)) / homogeneous, rel=1e-9)
+
+
+def test_the_line_of_equal_energy_crosses_the_homogeneous_contact():
+    """On it y0 = (W_0/W_k)^((m + k)/(k m)) by ``depth_factors``, 1 % for the contour; one curve, through k = 0 too."""
+    k, m = [-0.4, -0.2, 0.0, 0.2, 0.4], 2.0
+    found = {p: by_theory(p) for p in (Point(one, 0.6, m, 0.3, 0.3) for one in k)}
+    energies_by_k = {p.k: e.energy for p, e in found.items()}
+    figure = pictures.over_depth(found, [(m, 0.6)], "", "")
+    (curve,) = [c for c in figure.axes[0].collections if c.get_linewidth()[0] > 2]
+    plt.close(figure)
+    (line,) = curve.get_paths()
+    x, y0 = line.vertices[line.vertices[:, 0].argsort()].T
+    expected = [(energies_by_k[0.0] / energies_by_k[one]) ** ((m + one) / (one * m)) for one in k if one]
+    assert np.interp([one for one in k if one], x, y0) == pytest.approx(expected, rel=1e-2)
 
 
 @pytest.mark.slow
