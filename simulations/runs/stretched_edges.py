@@ -42,21 +42,29 @@ def rough_edges(scene: Scene, scaled: Scaled, effects: Effects, loads: list[Load
 
     SceneError where the whole contact slips.
     """
+    Q_A, states = max(abs(load.Q) for load in loads), []
+    solver = half_plane_solver(scene, scaled, effects, NODES)
     try:
-        states = half_plane_solver(scene, scaled, effects, NODES).run(loads)
-    except (RuntimeError, ValueError):
+        for state in solver.increments(loads):
+            states.append(state)
+            if abs(state.Q) == Q_A:  # at once: what follows takes the longer the less sticks
+                _check_stick(scene, state)
+    except (RuntimeError, ValueError):  # no reason to stop: the mesh is only less well graded
         return ExpectedEdges((1.0,))
-    turns = [state for state in states[::-1] if abs(state.Q) == max(abs(load.Q) for load in loads)]
-    stick = min(np.ptp(state.stick_zones, axis=1).max(initial=0.0) for state in turns)
-    if stick < NARROWEST * min(scene.mesh.edge_facet, scene.mesh.facet):
-        key = "bulk_strain" if scene.load.bulk_stress is None else "bulk_stress"
-        raise SceneError(
-            f"load.{key} = {getattr(scene.load, key):g} is not allowed: it makes the whole contact slip, only "
-            f"{stick:.1g} a would stick at Q_A; less strain, or a smaller load.amplitude"
-        )
+    turns = [state for state in states[::-1] if abs(state.Q) == Q_A]
     shown = states[::-1] if scene.load.bulk_phase or scene.mesh.edges == "states" else turns
     contact = np.abs([state.contact for state in states if state.Q])
     edges = several([edge for state in shown for edge in (*state.contact, *state.stick)])
     way = (float(contact.min()), float(contact.max())) if "coupling" in effects else None
     stick_way = min(edges), float(contact.max())
     return ExpectedEdges(edges, contact_way=way, stick_way=stick_way, fineness=FINER)
+
+
+def _check_stick(scene, state):
+    stick = np.ptp(state.stick_zones, axis=1).max(initial=0.0)
+    if stick < NARROWEST * min(scene.mesh.edge_facet, scene.mesh.facet):
+        key = "bulk_strain" if scene.load.bulk_stress is None else "bulk_stress"
+        raise SceneError(
+            f"load.{key} = {getattr(scene.load, key):g} is not allowed: it makes the whole contact slip, only "
+            f"{stick:.1g} a would stick at Q_A; less strain, or a smaller load.amplitude"
+        )

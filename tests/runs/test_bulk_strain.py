@@ -9,7 +9,7 @@ from solving import coarse_simulation, solved
 
 from simulations import fretting
 from simulations.loading.schedule import rocking, stretched
-from simulations.runs.comparison import compare, worst
+from simulations.runs.comparison import compare, relative_l2, worst
 from simulations.runs.energy import EnergyMeter, worst_defect
 from simulations.runs.mesh_free import MeshFree
 from simulations.runs.reference import of_same_physics
@@ -81,9 +81,23 @@ def test_beyond_the_closed_form():
     assert compare(simulation.history, other)["traction_l2"] < 2e-2
 
 
-def test_strain_that_makes_all_slip():
+@pytest.mark.parametrize("k, coupling", [(0.0, "false"), (-0.3, "true")])
+def test_strain_that_makes_all_slip(k, coupling):
+    """Refused at the first +Q_A of a rough solution."""
     with pytest.raises(SceneError, match="load.bulk_strain = 0.05 is not allowed: it makes the whole contact slip"):
-        coarse_simulation(UNCOUPLED, solid__k=0.0, load__bulk_strain=0.05)
+        coarse_simulation(UNCOUPLED, solid__k=k, load__bulk_strain=0.05, effects__coupling=coupling)
+
+
+def test_elastic_slip_tends_to_coulombs_law():
+    """Proportional to its length; the strain, which moves stuck points too, is not lost in it."""
+    given = {"solid__k": 0.3, "load__bulk_strain": 1e-3, "load__cycles": 0}
+    plain = solved(UNCOUPLED, **given)
+    stiff, differences = plain.history.entries[-1].surface, []
+    for length in (0.01, 0.001):
+        metres = length * plain.scaled.scales.displacement
+        surface = solved(UNCOUPLED, plain.cells, **given, effects__elastic_slip=metres).history.entries[-1].surface
+        differences.append(relative_l2(stiff.weight, surface.traction, stiff.traction))
+    assert differences[0] < 1e-2 and differences[1] < 0.2 * differences[0]
 
 
 def test_strain_behind_the_load():
