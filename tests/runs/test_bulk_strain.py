@@ -8,6 +8,7 @@ from running import ROOT, coarse_arguments
 from solving import coarse_simulation, solved
 
 from simulations import fretting
+from simulations.fem.body_sample import BodySampler
 from simulations.loading.schedule import rocking, stretched
 from simulations.runs.comparison import compare, relative_l2, worst
 from simulations.runs.energy import EnergyMeter, worst_defect
@@ -33,7 +34,7 @@ def test_no_trace_without_it():
 
 
 def test_against_the_closed_form():
-    """Coarse cells; energy balance with the work of the strain; the slip in the stick zone is none."""
+    """Coarse cells; energy balance with the work of the strain; the slip in the stick zone is none; stress below."""
     simulation = coarse_simulation(UNCOUPLED, solid__k=0.3, load__bulk_strain=1e-3)
     meter = EnergyMeter(simulation.body)
     for entry in simulation.run():
@@ -47,6 +48,11 @@ def test_against_the_closed_form():
     assert np.mean(last.stick) == pytest.approx(loop.shift, abs=1e-2)
     stuck = np.abs(last.surface.x - loop.shift) < 0.7 * loop.c
     assert np.abs(last.slip[stuck]).max() < 1e-3 * np.abs(last.slip).max()
+    x, y = np.meshgrid(np.linspace(-2, 2, 41), [0.1, 0.3])
+    stress = BodySampler(simulation.numbering).sample().stress_at(x.ravel(), y.ravel())[:, 0].reshape(x.shape)
+    expected = loop.amplitude.stress_xx(x, y)
+    difference = np.abs(stress - expected).max(axis=1) / np.abs(expected).max(axis=1)
+    assert np.all(difference < [5e-3, 1.5e-2])  # cells grow with the depth
 
 
 def test_ghent_rig():
