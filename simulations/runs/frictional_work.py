@@ -37,50 +37,23 @@ def frictional_work(before: Moment, after: Moment, mu: float, k: float, earlier:
     """Energy that a load step dissipates per area of surface (n,), -∫ q ds. earlier: the state before ``before``; k:
     grading at the surface.
 
-    A point that begins to slide within the step does so late, like (t - t0)^((3-k)/2), (50), and one that stops
-    because the edge of stick came to it does so early. One that entered contact slides while its pressure grows like
-    (t - t0)^((1+k)/2), (44), from when the edge came to it: steadily, as far as the point did that the edge left, for
-    the part of the step that was left. One that leaves contact slides for a part of the step: averaged over the points
-    that the edge passes. Points that stick do no work.
+    A point that begins to slide within the step does so late, like (t - t0)^((3-k)/2), (50); one that enters or leaves
+    contact slides while its pressure is C (distance from the edge)^((1+k)/2), (44), for a part of the step. Both are
+    averaged over the points that the edges pass. Points that stick do no work.
     """
     p0, p1 = before.surface.pressure, after.surface.pressure
     was, now = before.sliding(mu), after.sliding(mu)
     touches = (p0 > 0) & (p1 > 0)
     moved = after.s - before.s
-    outwards = sliding_outwards(after, now)
     goes_on, begins = touches & (now != 0) & (was == now), touches & (now != 0) & (was != now)
-    stops = touches & (now == 0) & (was != 0) & (was == outwards)
-    enters, leaves = (p0 <= 0) & (p1 > 0) & (outwards != 0), (p1 <= 0) & (was != 0)
+    enters, leaves = (p0 <= 0) & (now != 0), (p1 <= 0) & (was != 0)
     mean = np.where(goes_on, mean_pressure(before, after, k), 0.0)
     if earlier is not None:
-        steady = goes_on & (earlier.surface.pressure > 0)
-        mean += np.where(steady, growth(before.s - earlier.s, moved) * (p1 - p0) / 12.0, 0.0)
+        mean += np.where(goes_on, growth(before.s - earlier.s, moved) * (p1 - p0) / 12.0, 0.0)
     mean = np.where(begins, p1 - (p1 - p0) * 2.0 / (7.0 - k), mean)
-    mean = np.where(stops, p0 + (p1 - p0) * 2.0 / (7.0 - k), mean)
-    mean = np.where(enters, p1 * 2.0 / (3.0 + k), mean)
-    mean = np.where(leaves, p0 * 2.0 / (5.0 + k), mean)
-    moved = np.where(enters, slip_since_touch(before, after, moved), moved)
-    q = mu * mean * np.where(leaves, was, np.where(enters | stops, outwards, now))
+    mean = np.where(enters | leaves, (p0 + p1) * 2.0 / (5.0 + k), mean)
+    q = mu * mean * np.where(leaves, was, now)
     return -q * moved
-
-
-def sliding_outwards(moment: Moment, sliding) -> np.ndarray:
-    """Sign (n,) of ``sliding`` between the edges of stick and contact on the side of each point; 0: they are one."""
-    contact = np.flatnonzero(moment.surface.pressure > 0)
-    sticks = contact[sliding[contact] == 0]
-    first, last = (sticks[0], sticks[-1] + 1) if len(sticks) else (contact[len(contact) // 2],) * 2
-    left, right = np.sign(sliding[:first].sum()), np.sign(sliding[last:].sum())
-    return np.where(np.arange(len(sliding)) < (first + last) / 2, left, right)
-
-
-def slip_since_touch(before: Moment, after: Moment, moved) -> np.ndarray:
-    """Slip (n,) of points that enter contact: linear, from how far the point has moved that the edge left, to zero."""
-    x = before.surface.x
-    right = x > np.mean(before.contact)
-    start, end = (np.where(right, m.contact[1], m.contact[0]) for m in (before, after))
-    left_behind = np.where(right, *(np.interp(before.contact[side], x, moved) for side in (1, 0)))
-    distance = np.where(start == end, 1.0, end - start)
-    return left_behind * np.clip((end - x) / distance, 0.0, 1.0)
 
 
 def growth(slip_before, slip) -> np.ndarray:
