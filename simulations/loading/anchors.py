@@ -124,7 +124,7 @@ class EnteringPoints:
     def take_up(self, ratios: np.ndarray):
         """Go on from an earlier run's ``ratios``."""
         self._ratios = {side: Ratio(float(r)) for side, r in zip(SIDES, ratios)}
-        self._start = {side: float(x) for side, x in zip(SIDES, ratios[2:])}
+        self._start = {side: float(x) for side, x in zip(SIDES, [*ratios[2:], np.nan, np.nan])}
 
     def end(self):
         """After the points have come to rest: let open ones beside an edge go on as those inside were anchored.
