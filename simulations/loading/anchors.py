@@ -62,6 +62,8 @@ class EnteringPoints:
         self._before: Surface = None  # type: ignore[assignment]  # made by ``begin``
         self._after: Surface = None  # type: ignore[assignment]  # as last measured
         self._draws = False  # anchors points that stop where the edge of stick drew them
+        # from where on the edges of stick drew their curves: before a step, and after it; nan where they did not
+        self._start = self._began = dict.fromkeys(SIDES, np.nan)
 
     def begin(self, clearance: np.ndarray, is_first_contact: bool):
         """Keep the state before a step, and anchor open points as if they went on as in the step before.
@@ -75,6 +77,7 @@ class EnteringPoints:
         self._before = Surface(*self._gathered(states, memory.anchors(), clearance))
         self._ratios = {side: Ratio(ratio.value) for side, ratio in self._ratios.items()}
         self._draws = False
+        self._began = dict.fromkeys(SIDES, np.nan)
         self._after = None  # type: ignore[assignment]
         if not is_first_contact:
             self._put(anchors_of_entering(self._x, self._before, self._before, self._ratios))
@@ -90,13 +93,15 @@ class EnteringPoints:
         self._after = after = Surface(*self._gathered(*local))
         (old,) = self._gathered(problem.memory.anchors())
         measure(self._x, before, after, self._ratios, self._window, self._beside)
-        new = anchors_of_entering(self._x, before, after, self._ratios)
+        touch = anchors_of_entering(self._x, before, after, self._ratios)
+        new = touch.copy()
         change = self._change(new, old)
         if change <= settled and not self._is_uncoupled:  # the ratios have settled: what slides now does slide
             self._draws = True
         if self._draws:
             for side in SIDES:
-                stopped, positions = anchors_of_stopped(self._x, before, after, side)
+                start = self._start[side]
+                stopped, positions, self._began[side] = anchors_of_stopped(self._x, before, after, side, touch, start)
                 new[stopped] = positions
             change = self._change(new, old)
         if change <= settled:
@@ -113,12 +118,14 @@ class EnteringPoints:
         return float(np.abs(new - old)[counts].max() / moved) if moved else 0.0
 
     def ratios(self) -> np.ndarray:
-        """r at the left and the right edge (2,): where the next step starts from."""
-        return np.array([self._ratios[side].value for side in SIDES])
+        """r at the left and the right edge, and from where on the edges of stick draw (4,): what the next step needs.
+        """
+        return np.array([*(self._ratios[side].value for side in SIDES), *(self._start[side] for side in SIDES)])
 
     def take_up(self, ratios: np.ndarray):
         """Go on from an earlier run's ``ratios``."""
         self._ratios = {side: Ratio(float(r)) for side, r in zip(SIDES, ratios)}
+        self._start = {side: float(x) for side, x in zip(SIDES, [*ratios[2:], np.nan, np.nan])}
 
     def end(self):
         """After the points have come to rest: let open ones beside an edge go on as those inside were anchored.
@@ -126,7 +133,7 @@ class EnteringPoints:
         Their own displacement has the error of the facet that the edge cuts, and that is no part of a path. Were they
         left there, the next step would anchor them aside of their neighbours, and k < 0 would feel it as a zigzag.
         """
-        before, after = self._before, self._after
+        before, after, self._start = self._before, self._after, self._began
         if after is None or not self._beside:
             return
         (anchors,) = self._gathered(self._problem.memory.anchors())
@@ -197,11 +204,13 @@ def anchors_of_entering(x, before: Surface, after: Surface, ratios: dict[int, Ra
     return np.where(before.states == OPEN, before.s + r * before.clearance, before.s)
 
 
-def anchors_of_stopped(x, before: Surface, after: Surface, side: int) -> tuple[np.ndarray, np.ndarray]:
+def anchors_of_stopped(x, before: Surface, after: Surface, side: int, touch, start: float) -> tuple:
     """Indices and anchors of points that stick now but slid before, or were open, as those beyond them slide now.
 
     They lie on one side of the contact, from the edge of stick inwards. Where it is now the edge tells where points
-    stop, and so do those that stuck before: the anchors between lie on a smooth curve through both.
+    stop, and so do those that stuck before: the anchors between lie on a smooth curve through both, where the edge has
+    drawn one since ``start`` (nan: it has not). Else points go on from where they were, or ``touch`` (n,), the further
+    the closer they are to the edge. Third: from where on there is a curve now; nan without points.
     """
     contact = np.flatnonzero(after.states != OPEN)
     outwards = contact if side > 0 else contact[::-1]
@@ -210,24 +219,28 @@ def anchors_of_stopped(x, before: Surface, after: Surface, side: int) -> tuple[n
     edge = len(outwards) - sliding
     new = (states == CLOSED) & ((old == OPEN) | (old == states[-1]))
     first = edge - leading(new[:edge][::-1])
+    none = outwards[:0], np.zeros(0), np.nan
     if not 0 < sliding < len(outwards) or first == edge:
-        return outwards[:0], np.zeros(0)
+        return none
     stopped, outer = outwards[first:edge], outwards[edge]
     if np.all(before.states == OPEN):  # the contact started from a point, under an indenter that is a power there
+        tip = float(x[np.argmin(before.clearance)])
         share = before.clearance / before.clearance[outer]
-        stopped = stopped[side * x[stopped] > side * x[np.argmin(before.clearance)]]
-        return stopped, after.s[outer] * share[stopped]
+        stopped = stopped[side * x[stopped] > side * tip]
+        return stopped, after.s[outer] * share[stopped], tip
     was = x[before.states != OPEN]
     moved = abs(x[outwards[-1]] - (was[-1] if side > 0 else was[0]))
     if first == 0 or abs(x[stopped[-1]] - x[stopped[0]]) > FOLLOWS * moved:
-        return outwards[:0], np.zeros(0)
+        return none
     inner = outwards[first - 1]
-    support = [inner, outer]
     behind = outwards[np.argmin(np.abs(x[outwards] - (2 * x[inner] - x[outer])))]
-    if x[behind] != x[inner] and np.all(after.states[min(behind, inner) : max(behind, inner) + 1] == CLOSED):
-        support.append(behind)
-    curve = np.polynomial.Polynomial.fit(x[support], after.s[support], len(support) - 1)
-    return stopped, curve(x[stopped])
+    if x[behind] == x[inner] or not side * x[behind] >= side * start:
+        share = (x[stopped] - x[inner]) / (x[outer] - x[inner])
+        began = start if np.isfinite(start) else float(x[inner])
+        return stopped, touch[stopped] + (after.s[outer] - touch[outer]) * share, began
+    support = [behind, inner, outer]
+    curve = np.polynomial.Polynomial.fit(x[support], after.s[support], 2)
+    return stopped, curve(x[stopped]), start
 
 
 def leading(mask) -> int:

@@ -18,6 +18,11 @@ APART = 0.005  # edges closer than this (over the half-width) are one
 FACETS = 3  # from a stop to the next, so that both can be placed in theirs
 SAMPLES = 200  # of q, for its norm
 MOST = 30  # edges on either side
+FINER_WITH_COUPLING = 3.0  # facets on the way of the edges of stick, where stops are not known
+EARLY, BESIDE = 3.0, 0.1  # finer where the edge of stick stops first, when q is small; so much further inside
+FINEST = 4.0  # the finest on that way with coupling, which k < -0.3 comes to: more takes minutes
+AT_STOPS = 2.0, 0.8  # error of q at k < 0 on the way of the edges of stick, without coupling and with it
+ON_THE_WAY = 0.07, 0.3  # error of p on the contact's way, k >= 0 and k < 0, over that of ``facet`` and k = 0
 STOP = 2.0, 4.0  # error of q that a stop may cost (limits.expected_error) over facet², for k >= 0 and k < 0
 FIRST = 3  # facets, either side, in the contact of the first increment with friction
 
@@ -40,7 +45,8 @@ class ExpectedEdges:
 
     What is at x is at -x too. first: half-width of contact after the first increment, if friction acts in it; stops:
     where the edge of stick is after a load step, and the size of q there (Stop); exact: none is an estimate;
-    fineness: ``facet`` over the facets on the way of the edges of stick, if more than 1.
+    fineness: ``facet`` over the facets on the way of the edges of stick, if more than 1; early: about where it stops
+    first, where these are not known.
     """
 
     edges: tuple[float, ...]
@@ -50,20 +56,30 @@ class ExpectedEdges:
     stops: tuple["Stop", ...] = ()
     exact: bool = False
     fineness: float = 1.0
+    early: float | None = None
 
     def sweeps(self, k: float, facet: float, edge_facet: float) -> tuple[tuple[float, float, float], ...]:
         """Intervals (from, to, facet length) over which edges move, on both sides.
 
         For k < 0 traction ends the more steeply: facets are so small that an edge costs twice what it does at k = 0.
-        Where pressure ends too, they come close to ``edge_facet``. At a stop they are smaller the smaller q is in that
-        state, so that its relative error is that of the others. The first contact has FIRST facets on either side.
+        Where pressure ends too, it costs ON_THE_WAY; for k < 0 facets there only come close to ``edge_facet``. At a
+        stop they are smaller the smaller q is in that state, so that its relative error is that of the others. The
+        first contact has FIRST facets on either side.
         """
-        steep = min(size_for(2 * expected_error(0.0, facet), min(k, 0.0)), facet / self.fineness)
+        wanted = AT_STOPS[self.early is not None] * expected_error(0.0, facet)
+        steep = min(size_for(wanted, min(k, 0.0)), facet / self.fineness)
+        if self.early is not None:
+            steep = max(steep, facet / FINEST)
         ways = []
         if self.stick_way and steep < facet:
             ways.append((*self.stick_way, max(steep, edge_facet)))
+        if self.early and self.contact_way and self.early - BESIDE < self.contact_way[0]:
+            ways.append((self.early - BESIDE, self.contact_way[0], max(steep / EARLY, edge_facet)))
         if self.contact_way:
-            ways.append((*self.contact_way, max(min(steep, edge_facet**0.9 * facet**0.1), edge_facet)))
+            size = min(size_for(ON_THE_WAY[k < 0] * expected_error(0.0, facet), k), facet / 2)
+            if k < 0:
+                size = max(size, edge_facet**0.9 * facet**0.1)
+            ways.append((*self.contact_way, max(size, edge_facet)))
         error = STOP[k < 0] * facet**2  # that of the smooth part of q falls like this too
         for stop in self.stops:
             apart = min((abs(stop.x - x) for x in {*self.edges, *(s.x for s in self.stops)} - {stop.x}), default=1.0)
@@ -138,6 +154,8 @@ def _rough_edges(scene, scaled, effects, loads):
             edges,
             contact_way=(float(way.min()), float(way.max())),
             stick_way=(min(edges), float(way.max())),
+            fineness=FINER_WITH_COUPLING,
+            early=float((1 - next(load.Q for load in loads if load.Q) / solver.mu) ** (1 / (2 + scene.k))),  # (48)
             first=1 / scene.solver.normal_increments if first else None,
         )
     states = solver.run(loads)[::-1]

@@ -42,7 +42,7 @@ def restore(memory: dict[str, np.ndarray], solver: LoadStepping, numbering: Numb
         numbering.scatter_points(memory["anchor"], fields[0])
         numbering.scatter_points(memory["at rest"], fields[1])
         problem.memory.restore(fields)
-        solver.entering.take_up(memory.get("ratios", np.zeros(2)))
+        solver.entering.take_up(memory.get("ratios", np.array([0.0, 0.0, np.nan, np.nan])))
     if problem is not solver.normal and Y not in problem.directions:
         state, at_nodes = np.zeros_like(body.state.x.array), np.zeros_like(body.state.x.array)
         pressure = np.zeros_like(problem.held.pressure.x.array)

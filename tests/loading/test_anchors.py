@@ -68,7 +68,8 @@ def test_points_that_stop_lie_on_the_curve_that_the_edge_of_stick_has_drawn():
     before, after = touching(0.8, s=curve, stick=0.4), touching(1.0, s=curve, stick=0.6)
     after.s[(np.abs(X) > 0.4) & (np.abs(X) <= 0.6)] = 9.0  # where they are anchored now does not matter
     for side in (-1, 1):
-        points, anchors = anchors_of_stopped(X, before, after, side)
+        points, anchors, start = anchors_of_stopped(X, before, after, side, curve, 0.0)
+        assert start == 0.0
         assert np.array_equal(np.sort(points), np.flatnonzero((side * X > 0.4) & (side * X <= 0.6)))
         assert anchors == pytest.approx(curve[points], abs=1e-12)
 
@@ -79,11 +80,22 @@ def test_points_that_stop_as_the_load_turns_back_stay():
     before.states[(np.abs(X) > 0.3) & (np.abs(X) <= 0.8)] = FORWARD
     after.states[after.states == FORWARD] = BACKWARD
     for side in (-1, 1):
-        assert len(anchors_of_stopped(X, before, after, side)[0]) == 0
+        assert len(anchors_of_stopped(X, before, after, side, before.s, np.nan)[0]) == 0
 
 
 def test_points_that_stop_as_the_load_turns_back_stay_though_the_outermost_slide_on():
     """Those that enter contact just then slide: the edge of stick has gone much further than that of contact."""
     before, after = touching(0.8, stick=0.3), touching(0.85, stick=0.8)
     for side in (-1, 1):
-        assert len(anchors_of_stopped(X, before, after, side)[0]) == 0
+        assert len(anchors_of_stopped(X, before, after, side, before.s, np.nan)[0]) == 0
+
+
+def test_where_the_edge_of_stick_begins_to_draw_points_go_on_from_where_they_were():
+    """Further inside points stuck at zero before friction began: no curve goes through them and the edge."""
+    was = np.where(np.abs(X) > 0.41, np.sqrt(np.abs(np.abs(X) - 0.41)), 0.0)
+    before, after = touching(0.8, s=was, stick=0.41), touching(1.0, s=was + 0.3, stick=0.61)
+    for side in (-1, 1):
+        points, anchors, start = anchors_of_stopped(X, before, after, side, was, np.nan)
+        inner, outer = side * start, np.abs(X)[np.abs(X) > 0.61].min()
+        assert inner == pytest.approx(0.41, abs=X[1] - X[0])
+        assert anchors == pytest.approx(was[points] + 0.3 * (np.abs(X[points]) - inner) / (outer - inner))

@@ -48,6 +48,13 @@ def test_holds_for_scenes_that_were_not_used_to_calibrate(problem, wanted):
     assert largest_of_all_states(simulated(elsewhere(wanted, *problem))) <= wanted
 
 
+def test_holds_for_small_tangential_loads_whose_energy_is_known_better():
+    """Where the slip zone has few facets more is expected than where it has many."""
+    assert largest_of_all_states(simulated(elsewhere(1e-2, 0.4, 0.3, 0.5, 0.2))) <= 1e-2
+    many, few = (accuracy.beyond_measured(0.2, 0.4, facet) for facet in (1e-3, 0.02))
+    assert 1.0 < many < few == pytest.approx(2.5**3)
+
+
 @pytest.mark.parametrize("k", [-0.4, -0.1])
 def test_holds_below_zero(k):
     assert largest_of_all_states(simulated(elsewhere(1e-2, k, 0.3, 0.4, 0.6))) <= 1e-2
