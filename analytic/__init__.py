@@ -17,7 +17,7 @@ from .half_plane.surface_kernel import PowerLawKernel
 from .material import GradedHalfPlane
 from .normal import ProfileContact
 from .partial_slip import PartialSlip
-from .point_force import point_force_displacement
+from .point_force import point_force_displacement, point_force_stress
 from .pressing_with_friction import PressingWithFriction
 from .profile import PowerProfile, Profile
 from .spring_path import SpringPath
@@ -48,4 +48,5 @@ __all__ = [
     "from_displacement",
     "from_traction",
     "point_force_displacement",
+    "point_force_stress",
 ]

@@ -14,8 +14,9 @@ from .checks import require
 from .cylinder import CylinderContact
 from .fretting import ROUND_OFF, FrettingLoop
 from .partial_slip import PartialSlip
+from .point_force import point_force_stress
 from .quadrature import nodes_for, plain_rule
-from .special import log_remainder, parabolic_gap
+from .special import log_remainder, parabolic_gap, parabolic_gap_slope
 
 
 @dataclass(frozen=True)
@@ -72,6 +73,35 @@ class StretchedPartialSlip:
         beyond = np.where(width < contact.a / 2, near, np.abs(x - e) - c)
         h = contact.profile(x - e) * parabolic_gap(np.abs(x - e), c, k, beyond) - contact.gap(x)
         return (self._direction * self.state.mu * contact.solid.alpha * h)[()]
+
+    def surface_strain(self, x):
+        """du_x/dx of the surface [1] for |x| <= a, strain included: -dh_x/dx at x - e, [X3].
+
+        Outside the stick zone, where it is 0. It is largest at the trailing edge x = -a, for k = 0 mu/R times the
+        root of (a + e)² - c². Tension positive.
+        """
+        contact, k = self.contact, self.contact.solid.k
+        x, e, c, _ = self._broadcast(x)
+        slope = (x - e) / contact.R * parabolic_gap_slope(np.abs(x - e), c, k)
+        return (-self._direction * self.state.mu * contact.solid.alpha * slope)[()]
+
+    def stress_xx(self, x, y, nodes=800):
+        """sigma_xx [stress] at x, depth y > 0 (broadcast) under p(x, a), this q(x) and the strain, tension positive.
+
+        By superposition of line forces, ``nodes`` on each of the zones of slip and stick: good for depths y above
+        some a/nodes.
+        """
+        contact, solid = self.contact, self.contact.solid
+        a, e, c = contact.a, float(self.shift), float(self.c)
+        ends = np.clip([-a, e - c, e + c, a], -a, a)
+        angle = np.pi * ((np.arange(nodes) + 0.5) / nodes - 0.5)  # in which powers at the ends do little harm
+        half = np.diff(ends)[:, None] / 2
+        s = (ends[:-1, None] + half * (1 + np.sin(angle))).ravel()
+        weight = (half * np.pi / nodes * np.cos(angle)).ravel()
+        P, Q = weight * contact.pressure(s), weight * self.traction(s)
+        x, y = np.broadcast_arrays(np.asarray(x, float)[..., None], np.asarray(y, float)[..., None])
+        of_forces = point_force_stress(solid, x - s, y, P, Q)[0].sum(axis=-1)
+        return of_forces + solid.modulus(y[..., 0]) * self.strain / ((1 - solid.nu) * (1 + solid.nu))
 
     @property
     def work(self):

@@ -44,3 +44,17 @@ def point_force_displacement(solid: GradedHalfPlane, x, y, P=0.0, Q=0.0, fixed_d
     u_r, u_theta = P * even + Q * odd_tangential, -P * odd_normal + Q * even
     scale = (1 - nu) * (1 + nu) * solid.C * solid.y0**k / solid.E0
     return scale * np.stack([u_r * sin + u_theta * cos, u_r * cos - u_theta * sin])
+
+
+def point_force_stress(solid: GradedHalfPlane, x, y, P=0.0, Q=0.0):
+    """Stress xx, yy, xy ``(3, ...)`` at ``(x, y)``, y > 0, of the line forces P along +y and Q along +x at the origin.
+
+    sigma_rr = -(C/r) cos^k(theta) [P cos(beta theta) + Q (1+k)/beta sin(beta theta)], which balances P and Q on
+    every half-circle; C and beta of (4).
+    """
+    k, beta = solid.k, solid.beta
+    r, theta = np.hypot(x, y), np.arctan2(x, y)
+    sin, cos = np.sin(theta), np.cos(theta)
+    load = P * np.cos(beta * theta) + Q * ((1 + k) / beta) * np.sin(beta * theta)
+    radial = -solid.C / r * cos**k * load
+    return radial * np.stack([sin**2, cos**2, sin * cos])

@@ -11,6 +11,12 @@ from simulations.runs.expected_edges import ExpectedEdges
 from simulations.runs.reference import closed_form
 from simulations.runs.simulation import Simulation
 from simulations.scene import DEFAULT_SCENE, parse
+from simulations.studies.stability import read_cases
+
+# Under a constant Q the contact shrinks until all but one point slide; keys of a whole scene.
+SHRINKING = read_cases(["reversals at every level"])["reversals at every level: k -0.5"] | {
+    "load.points": [[1e6, 0.0], [1e6, 1e5], [5e5, 1e5]]
+}
 
 
 def coarse_simulation(text=DEFAULT_SCENE, cells=None, like=None, **changes) -> Simulation:

@@ -120,7 +120,9 @@ class LayeredKernel:
         misfit = np.abs(np.exp(-omega[:, None] * h) @ strength - target).max(axis=0)
         misfit = misfit / np.abs(omega * power[1]).max()
         if misfit.max() > LARGEST_MISFIT:
-            raise RuntimeError(f"the compliance per wavenumber is met to {misfit.max():.1e} only")
+            raise RuntimeError(
+                f"the kernel of the coated half-plane is met to {misfit.max():.1e} only, {LARGEST_MISFIT:.0e} is needed"
+            )
         return h, strength, misfit
 
     @property

@@ -28,6 +28,7 @@ from ..fem.contact_problem import ContactProblem
 COUPLED, UNCOUPLED = (0.1, 0.6), (0.5, 2.0)
 BESIDE = 8  # points beside the edge, whose displacement has the error of the facet that it cuts
 STEPS = 0.3, 3.0  # shortest and longest step of the secant method, over the defect
+FOLLOWS = 2.0  # times as far as the edge of contact that of stick goes which follows it; further it goes in a reversal
 SIDES = (-1, 1)  # left, right
 
 
@@ -134,7 +135,7 @@ class EnteringPoints:
     def take_up(self, ratios: np.ndarray):
         """Go on from an earlier run's ``ratios``."""
         self._ratios = {side: Ratio(float(r)) for side, r in zip(SIDES, ratios)}
-        self._start = {side: float(x) for side, x in zip(SIDES, ratios[2:])}
+        self._start = {side: float(x) for side, x in zip(SIDES, [*ratios[2:], np.nan, np.nan])}
 
     def end(self):
         """After the points have come to rest: let open ones beside an edge go on as those inside were anchored.
@@ -237,7 +238,9 @@ def anchors_of_stopped(x, before: Surface, after: Surface, side: int, touch, sta
         share = before.clearance / before.clearance[outer]
         stopped = stopped[side * x[stopped] > side * tip]
         return stopped, after.s[outer] * share[stopped], tip
-    if first == 0:
+    was = x[before.states != OPEN]
+    moved = abs(x[outwards[-1]] - (was[-1] if side > 0 else was[0]))
+    if first == 0 or abs(x[stopped[-1]] - x[stopped[0]]) > FOLLOWS * moved:
         return none
     inner = outwards[first - 1]
     behind = outwards[np.argmin(np.abs(x[outwards] - (2 * x[inner] - x[outer])))]

@@ -229,10 +229,12 @@ class LoadStepping:
         held = None
         if self._is_uncoupled:
             held = problem.held.state.x.array.copy(), problem.held.pressure.x.array.copy(), problem.held.forces
-        return self.body.state.x.array.copy(), self.body.delta.value.copy(), memory, held
+        forces = self.system.last_forces()
+        return self.body.state.x.array.copy(), self.body.delta.value.copy(), forces, memory, held
 
     def _restore(self, saved):
-        self.body.state.x.array[:], self.body.delta.value[:], memory, held = saved
+        self.body.state.x.array[:], self.body.delta.value[:], forces, memory, held = saved
+        self.system.take_up(forces)
         if memory is not None:
             self.problem.memory.restore(memory)
         if held is not None:

@@ -71,12 +71,16 @@ class FieldWriter:
                 file[name].attrs["unit"], file[name].attrs["meaning"] = UNITS[name], MEANING[name]
             if self._lines.x.size:
                 self._lines.keep(file, self._along_lines(sample))
-        numbers = [n for n in range(number + 1) if self.wants(n)]
-        self._index.write(numbers, [float(self.times[n]) for n in numbers])
 
-    def write_lines(self, done: int):
-        """lines.csv, of the states kept so far among ``done`` load steps. On rank 0."""
-        self._lines.write([number for number in range(done) if self.wants(number)])
+    def write_series(self, done: int):
+        """The indices and lines.csv, of the states kept so far among ``done`` load steps. On rank 0.
+
+        Each has all states: a run that wrote them at every state would spend its time on them.
+        """
+        numbers = [number for number in range(done) if self.wants(number)]
+        if numbers:
+            self._index.write(numbers, [float(self.times[n]) for n in numbers])
+            self._lines.write(numbers)
 
     def _along_lines(self, sample):
         length = self.scaled.scales.length

@@ -87,15 +87,21 @@ def write_history(path: Path, history: History, scales: Scales, times: np.ndarra
     write_table(path, [_row(e, t, scales, history.friction) for e, t in zip([*history.entries], times)])
 
 
+def _loads(entry: Entry, scales: Scales) -> dict[str, float]:
+    """Line loads [N/m] by name: as prescribed, and as pressure and traction carry them."""
+    prescribed, carried = (entry.increment.P, entry.increment.Q), entry.carried
+    pairs = zip(("P_prescribed", "Q_prescribed", "P_carried", "Q_carried"), (*prescribed, *carried), strict=True)
+    return {name: load * scales.line_load for name, load in pairs}
+
+
 def _row(entry: Entry, time: float, scales: Scales, friction: bool) -> dict:
     """One row by column name; without friction the columns of the tangential problem are absent."""
     increment, length = entry.increment, scales.length
     delta_x, delta_y = entry.surface.delta * scales.displacement
-    P, Q = entry.carried
+    loads = {f"{name}[N/m]": load for name, load in _loads(entry, scales).items()}
     normal = {
         "load_parameter": time,
-        "P_prescribed[N/m]": increment.P * scales.line_load,
-        "P_carried[N/m]": P * scales.line_load,
+        **_of("P", loads),
         "delta_y[m]": delta_y,
         "a[m]": entry.a * length,
         "contact_left[m]": entry.contact[0] * length,
@@ -103,8 +109,7 @@ def _row(entry: Entry, time: float, scales: Scales, friction: bool) -> dict:
         "peak_pressure[Pa]": entry.peak_pressure * scales.stress,
     }
     tangential = {
-        "Q_prescribed[N/m]": increment.Q * scales.line_load,
-        "Q_carried[N/m]": Q * scales.line_load,
+        **_of("Q", loads),
         "delta_x[m]": delta_x,
         "c[m]": entry.c * length,
         "stick_left[m]": entry.stick[0] * length,
@@ -121,6 +126,11 @@ def _row(entry: Entry, time: float, scales: Scales, friction: bool) -> dict:
     )
 
 
+def _of(load: str, loads: dict) -> dict:
+    """Those of P or of Q."""
+    return {name: values for name, values in loads.items() if name.startswith(load)}
+
+
 def write_surface(path: Path, history: History, scales: Scales, times: np.ndarray, height: Callable):
     """surface.h5: the QUANTITIES, of nodes (n,), states (s,) or both (s, n); SI units as attributes.
 
@@ -129,7 +139,8 @@ def write_surface(path: Path, history: History, scales: Scales, times: np.ndarra
     """
     entries = [*history.entries]
     surfaces = [e.surface for e in entries]
-    profile, loads = height(surfaces[0].x), np.array([e.carried for e in entries]) * scales.line_load
+    profile, by_entry = height(surfaces[0].x), [_loads(e, scales) for e in entries]
+    loads = {name: np.array([one[name] for one in by_entry]) for name in by_entry[0]}
     data = {
         "x": surfaces[0].x * scales.length,
         "weight": surfaces[0].weight * scales.length,
@@ -137,8 +148,7 @@ def write_surface(path: Path, history: History, scales: Scales, times: np.ndarra
         "pressure": np.stack([s.pressure for s in surfaces]) * scales.stress,
         "gap": np.stack([profile + s.u[1] - s.delta[1] for s in surfaces]) * scales.displacement,
         "contact_state": np.stack([history.contact_states(e) for e in entries]).astype(np.uint8),
-        "P_prescribed": np.array([e.increment.P for e in entries]) * scales.line_load,
-        "P_carried": loads[:, 0],
+        **_of("P", loads),
     }
     if history.friction:
         data |= {
@@ -146,8 +156,7 @@ def write_surface(path: Path, history: History, scales: Scales, times: np.ndarra
             "slip": np.stack([e.slip for e in entries]) * scales.displacement,
             "frictional_work": np.stack([e.work for e in entries]) * scales.energy / scales.length,
             "frictional_work_of_cycle": history.work * scales.energy / scales.length,
-            "Q_prescribed": np.array([e.increment.Q for e in entries]) * scales.line_load,
-            "Q_carried": loads[:, 1],
+            **_of("Q", loads),
         }
     with hdf5(path) as file:
         for name, (unit, meaning) in QUANTITIES.items():

@@ -19,7 +19,7 @@ from .plots import plot_run
 from .table import table
 
 LONGEST_WRITE = 1.0  # s that a run which is stopped waits for a file that is being written
-EVERY = 10.0  # seconds between two versions of history.csv and surface.h5 while the run goes on
+EVERY = 10.0  # seconds between two versions of the tables while the run goes on
 
 
 class Results:
@@ -92,7 +92,7 @@ class Results:
         times, height = self._fields.times, self.simulation.scaled.indenter.height
         output.write_history(self.folder / "history.csv", history, self.scales, times)
         output.write_surface(self.folder / "surface.h5", history, self.scales, times, height)
-        self._fields.write_lines(len(history.entries))
+        self._fields.write_series(len(history.entries))
         self._written = time.monotonic()
 
     def __exit__(self, kind, error, trace):

@@ -1,6 +1,6 @@
-"""What a converged run still has to show: balance, contact conditions, no chatter, no wiggles. Numpy only.
+"""What a converged run still has to show: balance, contact conditions, no cycling of the active set, no wiggles.
 
-Each check is a number and the limit that it must not pass. Ordinary runs have them in summary.json.
+Numpy only. Each check is a number and the limit that it must not pass. Ordinary runs have them in summary.json.
 """
 
 from collections.abc import Callable
@@ -123,10 +123,11 @@ def largest_motion(before: SurfaceState, after: SurfaceState) -> float:
 
 
 def wrong_slip(before: SurfaceState, after: SurfaceState, mu: float, reach: float = 0.0) -> float:
-    """Work that sliding points gain from friction in a load step, over what all would lose sliding like the fastest.
+    """Work that friction does on points that slide along with it in a load step, relative to the largest possible one.
 
-    A point sliding by less than Nitsche's method moves one that sticks may go the wrong way. reach: the largest motion
-    of any step; one in which nothing moves, as at a dwell, shows round-off only and is measured by SMALL of that.
+    The latter is that of the limit mu p and the largest motion at every point. A point sliding by less than Nitsche's
+    method moves one that sticks may go the wrong way. reach: the largest motion of any step; one in which nothing
+    moves, as at a dwell, shows round-off only and is measured by SMALL of that.
     """
     limit = mu * after.pressure
     sliding = np.abs(after.traction) >= limit - AT_LIMIT * limit.max()

@@ -20,8 +20,8 @@ from ..scene.scene import Scene
 from ..solvers.condensed.system import CondensedSystem
 from .simulation import Simulation
 
-REMEDY = "effects.elastic_slip, a smaller load.mu or another mesh.degree may help"
-FINER = "a smaller mesh.edge_facet or more solver.increments may help"
+OTHER_METHOD = "solver.theta = 0 or a larger solver.gamma0 may help"
+ELASTIC_SLIP = 0.03  # over mu P/E(a): smooths what an edge of contact leaves, docs/stability.md
 PLACES = 12  # of a sliver on the mesh
 LARGEST = 400  # surface nodes in contact for which the mesh's own bound is looked for
 
@@ -83,15 +83,20 @@ def numbers(critical: CriticalFriction | None) -> dict[str, float | str | None]:
 
 
 def cause(simulation: Simulation) -> str:
-    """Why tractions may go up and down from node to node, and what can be done; "" without coupling. On rank 0."""
+    """Why tractions may go up and down from node to node, and what can be done. On rank 0."""
     scene = simulation.scene
-    critical = expected(scene, simulation.effects)
+    critical, own = expected(scene, simulation.effects), of_mesh(simulation)
+    elastic_slip = ELASTIC_SLIP * scene.mu * simulation.scaled.scales.displacement
+    remedy = f"effects.elastic_slip = {elastic_slip:.1g} m, a smaller load.mu or another mesh.degree may help"
+    smoother = f"effects.elastic_slip = {elastic_slip:.1g} m or fewer solver.increments may help"
+    if scene.solver.theta > 0:
+        return f"with solver.theta = {scene.solver.theta} not every gamma0 is stable: {OTHER_METHOD}"
     if critical is None:
-        return ""
-    own = of_mesh(simulation)
+        return f"rates of stick and slip are unique without coupling: {smoother}"
     if own is None:
-        return describe(scene, critical)
+        return f"{describe(scene, critical)}: {remedy if scene.mu > critical.lower else smoother}"
     if scene.mu >= own:
         lost = "from where on Coulomb's law has no unique rate solution on this mesh"
-        return f"mu = {scene.mu:g} is above {own:.3g}, {lost}: {REMEDY}"
-    return f"mu = {scene.mu:g} is below {own:.3g}, up to where no second rate solution is known on this mesh: {FINER}"
+        return f"mu = {scene.mu:g} is above {own:.3g}, {lost}: {remedy}"
+    known = "up to where no second rate solution is known on this mesh"
+    return f"mu = {scene.mu:g} is below {own:.3g}, {known}: {smoother}"

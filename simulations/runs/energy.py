@@ -7,6 +7,7 @@ increment and however large it is, because the stiffness is symmetric and the lo
         = work of the contact tractions through the motion between surface and indenter.
 
 u is the deviation from a bulk strain eps, which pulls the surface past the indenter by itself: -∫ q x dx d(eps).
+The change of u.K.u/2 is the mean of K.u times the change of u, as its two values are much larger than it.
 
 The right side is friction, and what the pressure does through the gap that Nitsche's method leaves, an error of
 discretisation. It is formed from the tractions that are reported, the left side from the fields of the whole body.
@@ -16,6 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from mpi4py import MPI
+from petsc4py import PETSc
 
 from ..fem.body import ElasticBody, Y
 from .history import Entry
@@ -52,20 +54,20 @@ class EnergyMeter:
     def __init__(self, body: ElasticBody):
         self.body = body
         self.steps: list[EnergyStep] = []
+        self._forces = _InnerForces(body)
         self._before = None
 
     def read(self, entry: Entry):
         """Add the increment that ended with ``entry``."""
         body, surface, load = self.body, entry.surface, entry.increment
         body.complete()
-        u = body.state.x.petsc_vec.duplicate()
-        u.array[:] = body.state.x.petsc_vec.array_r
-        force = body.stiffness.createVecLeft()
-        body.stiffness.mult(u, force)
-        far = body.fixed_dofs[body.fixed_dofs < u.local_size]
+        u = body.state.x.petsc_vec.array_r.copy()
+        force = body.symmetry_factor * self._forces.of(u)
+        far = body.fixed_dofs[body.fixed_dofs < len(u)]
         now = {
-            "stored": body.symmetry_factor * u.dot(force) / 2 + surface.elastic_energy,
-            "boundary": (body.symmetry_factor * force.array_r[far], u.array_r[far].copy()),
+            "body": (force, u),
+            "elastic slip": surface.elastic_energy,
+            "boundary": (force[far], u[far]),
             "indenter": (np.array(load.load.components), surface.delta),
             "stretching": (surface.weight * surface.traction, load.load.strain * surface.x),
             "friction": (surface.weight * surface.traction, surface.relative_displacement),
@@ -80,14 +82,53 @@ class EnergyMeter:
             (f0, s0), (f1, s1) = before[name], now[name]
             return float((f0 + f1) @ (s1 - s0) / 2)
 
+        def everywhere(part):
+            return self.body.mesh.comm.allreduce(part, MPI.SUM)
+
         return EnergyStep(
             indenter=work("indenter"),
-            boundary=self.body.mesh.comm.allreduce(work("boundary"), MPI.SUM),
+            boundary=everywhere(work("boundary")),
             stretching=-work("stretching"),
-            stored=now["stored"] - before["stored"],
+            stored=everywhere(work("body")) + now["elastic slip"] - before["elastic slip"],
             friction=-work("friction"),
             gap=-work("gap"),
         )
+
+
+class _InnerForces:
+    """K.u from differences of the displacement between a node and its neighbours.
+
+    A body that is moved as a whole has no forces. In K.u the last digits of a stiff surface (k near -1) leave some,
+    which do work on the way of the indenter.
+    """
+
+    def __init__(self, body: ElasticBody):
+        ends, columns, self._entries = body.stiffness.getValuesCSR()
+        needed, self._column = np.unique(columns, return_inverse=True)
+        self._row = np.repeat(np.arange(len(ends) - 1), np.diff(ends))
+        vector, self._needed = body.stiffness.createVecRight(), PETSc.Vec().createSeq(len(needed))
+        index_set = PETSc.IS().createGeneral(needed.astype(PETSc.IntType), comm=PETSc.COMM_SELF)
+        self._scatter, self._vector = PETSc.Scatter().create(vector, index_set, self._needed, None), vector
+        owned = body.dofs[: body.owned_nodes]
+        self._shifts = []  # dof of the row's node and whether a column has it, for both directions
+        for direction, translation in enumerate(body.translations):
+            node = np.full(len(ends) - 1, -1)
+            node[owned] = owned[:, direction, None]
+            moves = self._everywhere(translation.x.petsc_vec.array_r) * (node[self._row] >= 0)
+            self._shifts.append((node[self._row], moves))
+
+    def of(self, u: np.ndarray) -> np.ndarray:
+        """Forces on this rank's unknowns (n,) under their values ``u``."""
+        differences = self._everywhere(u)
+        for node, moves in self._shifts:
+            differences -= moves * u[node]
+        return np.bincount(self._row, self._entries * differences, minlength=len(u))
+
+    def _everywhere(self, u):
+        """Values of the matrix's entries' columns."""
+        self._vector.array[:] = u
+        self._scatter.scatter(self._vector, self._needed)
+        return self._needed.array_r[self._column]
 
 
 def worst_defect(steps: list[EnergyStep], floor: float = 0.0) -> float:

@@ -8,18 +8,17 @@ import numpy as np
 from analytic import FrettingLoop, HalfPlaneContact, SpringPath, contact_edges
 
 from ..fem.load import Load
-from ..scene import Scene, SceneError
+from ..scene import Scene
 from ..scene.effects import Effects
 from ..scene.scaling import Scaled
-from .limits import NARROWEST, expected_error, size_for
+from .limits import expected_error, size_for
 
 NODES = 80  # of the half-plane solver: edges to a few 1e-3 of the half-width
 APART = 0.005  # edges closer than this (over the half-width) are one
 FACETS = 3  # from a stop to the next, so that both can be placed in theirs
 SAMPLES = 200  # of q, for its norm
 MOST = 30  # edges on either side
-FINER_WITH_STRAIN = 6.0  # facets on the ways of the edges of stick, for the traction between the turns of Q
-FINER_WITH_COUPLING = 3.0  # the same where stops are not known
+FINER_WITH_COUPLING = 3.0  # facets on the way of the edges of stick, where stops are not known
 EARLY, BESIDE = 3.0, 0.1  # finer where the edge of stick stops first, when q is small; so much further inside
 FINEST = 4.0  # the finest on that way with coupling, which k < -0.3 comes to: more takes minutes
 AT_STOPS = 2.0, 0.8  # error of q at k < 0 on the way of the edges of stick, without coupling and with it
@@ -103,10 +102,8 @@ def expected_edges(
 ) -> ExpectedEdges:
     """From the closed form or, where it is another problem, from a rough half-plane solution.
 
-    loads: of the schedule, the first with Q = 0; with bulk strain those of a loop with few load steps.
+    loads: of the schedule, the first with Q = 0.
     """
-    if "bulk strain" in effects:
-        return _with_strain(scene, scaled, effects, loads)
     if scene.contact_has_closed_form:
         contact = scaled.contact
         assert contact is not None  # contact_has_closed_form
@@ -116,7 +113,7 @@ def expected_edges(
         states = SpringPath(contact, scene.mu).run([load[:2] for load in loads])[::-1]
         if loop is None:
             ends = [edge for state in states for edge in (state.contact_half_width, state.stick_half_width)]
-            return ExpectedEdges(_several(ends), exact=True)
+            return ExpectedEdges(several(ends), exact=True)
         shares = (0.5, 0.0, -0.5) if scene.mesh.edges == "states" else ()
         between = [loop.active_half_width(share * loop.Q_A, "unloading") for share in shares]
         return ExpectedEdges((loop.c, a, *between), stops=_stops(states), exact=True)
@@ -124,34 +121,6 @@ def expected_edges(
         return _rough_edges(scene, scaled, effects, loads)
     except (RuntimeError, ValueError):  # no reason to stop: the mesh is only less well graded
         return ExpectedEdges((1.0,))
-
-
-def _with_strain(scene, scaled, effects, loads):
-    """The stick zone is moved aside: by the closed form [X7] or, beyond its range, by a rough half-plane solution."""
-    if effects.has_closed_form:
-        loop, a = scene.stretched_loop, scene.half_width
-        ends = np.abs([loop.shift + loop.c, loop.shift - loop.c]) / a
-        inner = 0.0 if abs(loop.shift) < loop.c else ends.min()
-        way = float(inner), 1.0
-        return ExpectedEdges(_several([*ends, 1.0]), stick_way=way, exact=True, fineness=FINER_WITH_STRAIN)
-    try:
-        states = half_plane_solver(scene, scaled, effects, NODES).run(loads)
-    except (RuntimeError, ValueError):
-        return ExpectedEdges((1.0,))
-    turns = [state for state in states[::-1] if abs(state.Q) == max(abs(load.Q) for load in loads)]
-    stick = min(np.ptp(state.stick_zones, axis=1).max(initial=0.0) for state in turns)
-    if stick < NARROWEST * min(scene.mesh.edge_facet, scene.mesh.facet):
-        key = "bulk_strain" if scene.load.bulk_stress is None else "bulk_stress"
-        raise SceneError(
-            f"load.{key} = {getattr(scene.load, key):g} is not allowed: it makes the whole contact slip, only "
-            f"{stick:.1g} a would stick at Q_A; less strain, or a smaller load.amplitude"
-        )
-    shown = states[::-1] if scene.load.bulk_phase or scene.mesh.edges == "states" else turns
-    contact = np.abs([state.contact for state in states if state.Q])
-    edges = _several([edge for state in shown for edge in (*state.contact, *state.stick)])
-    way = (float(contact.min()), float(contact.max())) if "coupling" in effects else None
-    stick_way = min(edges), float(contact.max())
-    return ExpectedEdges(edges, contact_way=way, stick_way=stick_way, fineness=FINER_WITH_STRAIN)
 
 
 def _stops(states) -> tuple[Stop, ...]:
@@ -180,7 +149,7 @@ def _rough_edges(scene, scaled, effects, loads):
         ends, way = [*found.contact, *found.stick, *found.stick_range.ravel()], np.abs(found.contact_range)
         if scene.mesh.edges == "states":
             ends += [*found.contact_states.ravel(), *found.stick_states.ravel()]
-        edges = _several(ends)
+        edges = several(ends)
         return ExpectedEdges(
             edges,
             contact_way=(float(way.min()), float(way.max())),
@@ -190,10 +159,11 @@ def _rough_edges(scene, scaled, effects, loads):
             first=1 / scene.solver.normal_increments if first else None,
         )
     states = solver.run(loads)[::-1]
-    return ExpectedEdges(_several([edge for state in states for edge in (*state.contact, *state.stick)]))
+    return ExpectedEdges(several([edge for state in states for edge in (*state.contact, *state.stick)]))
 
 
-def _several(edges):
+def several(edges) -> tuple[float, ...]:
+    """Their distances from the middle, each once."""
     edges = np.abs(edges)
     return distinct(edges[np.isfinite(edges)], APART)[:MOST]
 

@@ -11,7 +11,6 @@ import numpy as np
 from ..fem.surface import SurfaceState
 
 AT_LIMIT = 1e-6  # a traction this close to mu p, over the largest mu p, slides
-STEEPEST = 5.0  # power with which the load is taken to grow with the half-width of contact
 MOVES = 0.02  # of a point's distance from the edge: motions of the edge below do not count
 
 
@@ -38,64 +37,23 @@ def frictional_work(before: Moment, after: Moment, mu: float, k: float, earlier:
     """Energy that a load step dissipates per area of surface (n,), -∫ q ds. earlier: the state before ``before``; k:
     grading at the surface.
 
-    A point that begins to slide within the step does so late, like (t - t0)^((3-k)/2), (50), and one that stops
-    because the edge of stick came to it does so early. One that entered contact slides while its pressure grows like
-    (t - t0)^((1+k)/2), (44), from when the edge came to it: steadily, as far as the point did that the edge left, for
-    the part of the step that was left. One that leaves contact slides for a part of the step: averaged over the points
-    that the edge passes. Points that stick do no work.
+    A point that begins to slide within the step does so late, like (t - t0)^((3-k)/2), (50); one that enters or leaves
+    contact slides while its pressure is C (distance from the edge)^((1+k)/2), (44), for a part of the step. Both are
+    averaged over the points that the edges pass. Points that stick do no work.
     """
     p0, p1 = before.surface.pressure, after.surface.pressure
     was, now = before.sliding(mu), after.sliding(mu)
     touches = (p0 > 0) & (p1 > 0)
     moved = after.s - before.s
-    outwards = sliding_outwards(after, now)
     goes_on, begins = touches & (now != 0) & (was == now), touches & (now != 0) & (was != now)
-    stops = touches & (now == 0) & (was != 0) & (was == outwards)
-    enters, leaves = (p0 <= 0) & (p1 > 0) & (outwards != 0), (p1 <= 0) & (was != 0)
+    enters, leaves = (p0 <= 0) & (now != 0), (p1 <= 0) & (was != 0)
     mean = np.where(goes_on, mean_pressure(before, after, k), 0.0)
-    faster = [0.0, 0.0]
     if earlier is not None:
-        faster = [float(np.interp(e, after.surface.x, growth(before.s - earlier.s, moved))) for e in earlier.contact]
-        right = after.surface.x > np.mean(before.contact)
-        rate = growth(before.s - earlier.s, moved)
-        rate = np.where(earlier.surface.pressure > 0, rate, np.where(right, faster[1], faster[0]))
-        mean += np.where(goes_on, rate * (p1 - p0) / 12.0, 0.0)
+        mean += np.where(goes_on, growth(before.s - earlier.s, moved) * (p1 - p0) / 12.0, 0.0)
     mean = np.where(begins, p1 - (p1 - p0) * 2.0 / (7.0 - k), mean)
-    mean = np.where(stops, p0 + (p1 - p0) * 2.0 / (7.0 - k), mean)
-    mean = np.where(leaves, p0 * 2.0 / (5.0 + k), mean)
-    pressed = mean * moved
-    slip, quadratic = slip_since_touch(before, after, moved, faster)
-    pressed = np.where(enters, p1 * 2.0 * (slip / (3.0 + k) + quadratic * (1.0 + k) / (3.0 + k) / (5.0 + k)), pressed)
-    return -mu * np.where(leaves, was, np.where(enters | stops, outwards, now)) * pressed
-
-
-def sliding_outwards(moment: Moment, sliding) -> np.ndarray:
-    """Sign (n,) of ``sliding`` between the edges of stick and contact on the side of each point; 0: they are one."""
-    contact = np.flatnonzero(moment.surface.pressure > 0)
-    sticks = contact[sliding[contact] == 0]
-    first, last = (sticks[0], sticks[-1] + 1) if len(sticks) else (contact[len(contact) // 2],) * 2
-    left, right = np.sign(sliding[:first].sum()), np.sign(sliding[last:].sum())
-    return np.where(np.arange(len(sliding)) < (first + last) / 2, left, right)
-
-
-def slip_since_touch(before: Moment, after: Moment, moved, faster) -> tuple[np.ndarray, np.ndarray]:
-    """Slip (n,) of points that enter contact, and its part that is quadratic in the time since they touched.
-
-    The rate of slip is that of the point that the edge left, of which ``moved`` (n,) is the slip in the step and
-    ``faster`` (left, right) its ``growth``. When the edge came to a point follows from how the load grows with a.
-    """
-    x = before.surface.x
-    slip, quadratic = np.zeros(len(x)), np.zeros(len(x))
-    (P0, a0), (P1, a1) = ((m.surface.line_load(m.surface.pressure), np.ptp(m.contact)) for m in (before, after))
-    power = np.clip(np.log(P1 / P0) / np.log(a1 / a0), 1.0, STEEPEST) if a1 > a0 and P1 > P0 > 0 else 1.0
-    for side in (0, 1):
-        start, end = (abs(m.contact[side]) for m in (before, after))
-        entered = (np.sign(x) == np.sign(before.contact[side])) & (np.abs(x) > start) & (np.abs(x) < end)
-        left = (1.0 - (np.abs(x[entered]) / end) ** power) / (1.0 - (start / end) ** power)  # of the time
-        whole = np.interp(before.contact[side], x, moved)
-        quadratic[entered] = -whole * faster[side] / 2.0 * left**2
-        slip[entered] = whole * (1.0 + faster[side] / 2.0) * left + quadratic[entered]
-    return slip, quadratic
+    mean = np.where(enters | leaves, (p0 + p1) * 2.0 / (5.0 + k), mean)
+    q = mu * mean * np.where(leaves, was, now)
+    return -q * moved
 
 
 def growth(slip_before, slip) -> np.ndarray:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from ..scene import SceneError, shown
 from ..scene.output import NORMAL
+from ..scene.tables import ExponentialCoating, LinearCoating, PowerLawCoating
 from ..solvers.newton import ATTAINABLE, FORCE_TOLERANCE, ROUND_OFF
 
 if TYPE_CHECKING:
@@ -28,7 +29,7 @@ NARROWEST = 3.0  # slip zone over edge_facet: there the energy is off by 5 %, wi
 STEEPEST = 0.1  # estimated relative error of the traction from its steep ends alone
 LOWEST = 0.05  # the first layer's lowest Gauss point, over its height: 0.07 and more
 SMALLEST = -300.0  # decimal logarithm of the smallest ordinary number is -307.7
-STABLE_GAMMA0 = 0.3  # below it Newton chatters (0.2 at k = 0) or fails (0.1 at k = 0.3), unless theta = -1
+STABLE_GAMMA0 = 0.3  # below it the active set cycles (0.2 at k = 0) or fails (0.1 at k = 0.3), unless theta = -1
 
 
 def check_parameters(scene: Scene):
@@ -147,6 +148,27 @@ def check_round_off(scene: Scene, cells: Grading, problem: ContactProblem):
             f"{scene.solver.gamma0:g}: round-off would leave forces of {attainable:.0e} P unbalanced "
             f"({FORCE_TOLERANCE:.0e} is the aim); {_digit(thicker, up=True):g} or more would do"
         )
+
+
+def too_wide(scene: Scene, strip: float) -> str:
+    """What to say of a contact that ends beyond the strip |x| < ``strip`` a, with the keys that make it so wide."""
+    words = f"the contact reaches the end of |x| < {strip * scene.half_width:.3g} m, in which it is looked for"
+    coating = coating_keys(scene)
+    if coating:
+        words += f"; {coating} make it wider than on a half-plane of the modulus at the depth a: a thicker coating"
+        words += " or one nearer to its substrate is needed"
+    return words
+
+
+def coating_keys(scene: Scene) -> str:
+    """Keys and values of a coating in a message; "" where there is none."""
+    solid = scene.solid
+    if isinstance(solid, PowerLawCoating):
+        return f"solid.thickness = {solid.thickness:.3g} m and solid.k = {solid.k:g}"
+    if isinstance(solid, (LinearCoating, ExponentialCoating)):
+        ratio = solid.E_substrate / solid.E0
+        return f"solid.thickness = {solid.thickness:.3g} m and solid.E_substrate = {ratio:.3g} solid.E0"
+    return ""
 
 
 def _digit(value: float, up: bool = False) -> float:

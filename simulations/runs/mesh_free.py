@@ -9,6 +9,7 @@ from analytic.half_plane.state import ContactState
 from ..fem.load import Load
 from .expected_edges import half_plane_solver
 from .history import Entry
+from .limits import coating_keys
 from .simulation import Simulation
 from .springs import last_cycle
 
@@ -57,7 +58,8 @@ class MeshFree:
             except (RuntimeError, ValueError) as reason:
                 failure = failure or reason  # the one of the finest nodes is told
         else:
-            raise NoReference(str(failure))
+            coating = coating_keys(simulation.scene)
+            raise NoReference(f"{failure}; {coating}" if coating else str(failure))
         self._states = [states[place] for place in places]
         self._schedule = simulation.schedule
         pairs = zip(simulation.schedule, simulation.schedule[1:])

@@ -10,6 +10,7 @@ from ..scene import Scene
 from ..scene.effects import Effects
 from ..scene.scaling import Scaled
 from .expected_edges import expected_edges
+from .stretched_edges import exact_edges, rough_edges
 from .timing import Stopwatch
 
 # The far field is known less well where a coating is not in it, or where coupling moves the contact aside and with it
@@ -61,10 +62,14 @@ class Plan:
         """Cell sizes of the scene, graded to where contact and stick zone are expected to end."""
         scene = self.scene
         loads = [increment.load for increment in self.schedule]
-        if "bulk strain" in self.effects:
-            loads = [increment.load for increment in self._loop(min(scene.cycles, 1), ROUGH_QUARTER)]
         with self.watch("edges"):
-            found = expected_edges(scene, self.scaled, self.loop, self.effects, loads)
+            if "bulk strain" not in self.effects:
+                found = expected_edges(scene, self.scaled, self.loop, self.effects, loads)
+            elif self.stretched and self.effects.has_closed_form:
+                found = exact_edges(self.stretched, loads)
+            else:
+                loads = [increment.load for increment in self._loop(min(scene.cycles, 1), ROUGH_QUARTER)]
+                found = rough_edges(scene, self.scaled, self.effects, loads)
         sizes = scene.cell_sizes | {"extent": self.extent}
         if found.exact:
             sizes.setdefault("edge_at", best_place(scene.mesh.degree, scene.k))

@@ -20,7 +20,15 @@ from ..solvers.full import FullSystem
 from ..solvers.newton import FORCE_TOLERANCE
 from . import freeing
 from .history import Entry, History
-from .limits import check_depth, check_output, check_parameters, check_resolution, check_round_off, check_size
+from .limits import (
+    check_depth,
+    check_output,
+    check_parameters,
+    check_resolution,
+    check_round_off,
+    check_size,
+    too_wide,
+)
 from .plan import Plan
 from .reuse import Meshed, why_not
 from .timing import Stopwatch
@@ -133,10 +141,7 @@ class Simulation(Meshed):
                 return
             state = self.sampler.sample(self.solver.problem)
             if state.pressure[0] > 0 or state.pressure[-1] > 0:
-                strip = f"|x| < {self.cells.strip * self.scaled.scales.length:.3g} m"
-                raise SolveError(
-                    failure_in_si(self, f"the contact reaches the end of {strip}, in which it is looked for")
-                )
+                raise SolveError(failure_in_si(self, too_wide(self.scene, self.cells.strip)))
             yield self.history.append(outcome, state, self.watch.last)
 
     def run_to_end(self) -> "Simulation":

@@ -34,8 +34,8 @@ class Mesh(Table):
         default=20.0,
         ge=4,
         le=1e4,
-        description="half-width and depth of the domain; five times that off the Holl ratio with coupling and for a "
-        "coated body, there in thicknesses where these are larger",
+        description="half-width and depth of the domain; multiplied by 5 for a coated body, for bulk strain, and with "
+        "coupling unless ν is the Holl ratio. Where a coating is thicker than a its unit is the thickness",
     )
     degree: Count = Field(default=2, ge=1, le=3, description="polynomial degree of the displacements")
     edges: Literal["turns", "states"] = Field(

@@ -63,8 +63,10 @@ HEAD = """\
 # What each effect costs and changes
 
 `python -m simulations.studies.ablation` on the default mesh density, facets a/40. Seconds are processor seconds an
-increment, mesh, assembly and condensation shared out, without compilation; *ratio* is on over off. *Change* is what
-switching the effect off does to the last state's pressure and traction (relative L2) and to the dissipated energy.
+increment, mesh, assembly and condensation shared out, without compilation; *ratio* is on over off. *Change* compares
+the last states at the same places in metres: (off − on)/on of p and q in L2 over the surface, and of the dissipated
+energy, that of the last cycle or, without a full cycle, of the whole run. It is a difference of two problems; where
+both are the same problem (both halves, coupling at the Holl ratio, mixed form) it is what mesh and method leave.
 
 | effect | unknowns on / off | s per increment on / off | ratio | change in p | in q | in energy |
 |---|---|---|---|---|---|---|
@@ -148,7 +150,7 @@ def read(arguments: list[str]) -> Namespace:
     parser.add_argument("--repeats", type=int, default=REPEATS, help="runs of which the quickest counts")
     given = parser.parse_args(arguments)
     if given.repeats < 1:
-        raise SceneError(f"--repeats {given.repeats} is not allowed: an integer in [1, inf[")
+        raise SceneError(f"--repeats {given.repeats} is not allowed: an integer ≥ 1")
     given.page = given.page or given.output / "ablation.md"
     make_folders(given)
     return given

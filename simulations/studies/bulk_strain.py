@@ -1,8 +1,8 @@
-"""Draw what bulk strain does to the traction and the stick zone:  python -m simulations.studies.bulk_strain."""
+"""Draw what bulk strain does to traction, stick zone and stress:  python -m simulations.studies.bulk_strain."""
 
 import numpy as np
 
-from analytic import CylinderContact, GradedHalfPlane, StretchedLoop
+from analytic import CylinderContact, GradedHalfPlane, PartialSlip, StretchedLoop, StretchedPartialSlip
 
 from ..command.command import comm, on_root, run, say
 from ..output.style import panels, save, style
@@ -12,6 +12,7 @@ NU, R, P, MU, AMPLITUDE = 0.3, 0.1, 1e6, 0.3, 0.9
 E0, Y0 = 210e9, 13e-3  # Pa at a depth of about 10 a0
 EXPONENTS = (-0.3, 0.0, 0.3)
 STRAIN = 2e-4
+EDGE = 0.003  # distance from the trailing edge, over a, below which the largest stress is sought in equal steps
 STATES = {"A": (1.0, "initial"), "C": (0.0, "unloading"), "D": (-0.5, "unloading")}
 
 
@@ -22,12 +23,13 @@ def loop(k: float, strain: float) -> StretchedLoop:
 
 
 def main(arguments: list[str]):
-    """Two pictures of the closed form [X7]."""
+    """Three pictures of the closed form [X7]."""
     given = on_root(lambda: read(arguments))
     if comm.rank != 0:
         return
     with style():
         paths = save(tractions(), given.output, "bulk_strain") + save(shifts(), given.output, "bulk_strain_shift")
+        paths += save(stresses(), given.output, "bulk_strain_stress")
     say(f"written to {given.output}: {', '.join(path.name for path in paths)}")
 
 
@@ -65,6 +67,47 @@ def shifts():
     axes.flat[1].plot(exponents, [one.shift / one.loop.a for one in stretched])
     axes.flat[1].set(xlabel="exponent $k$ [–]", ylabel="shift $e/a$ [–]", title="strain 5·10⁻⁵", yscale="log")
     return figure
+
+
+def largest_tension(state: StretchedPartialSlip, depth: float) -> float:
+    """The largest sigma_xx [Pa] at a depth [m] within half a half-width of the trailing edge."""
+    a = state.contact.a
+    x = -a + a * EDGE * np.sinh(np.linspace(-1.0, 1.0, 121) * np.arcsinh(0.5 / EDGE))
+    return float(state.stress_xx(x, depth).max())
+
+
+def stresses():
+    """The largest tension at two depths over the strain, and over the depth."""
+    note = f"exact for the closed form's p and q; ν = {NU:g}, Q_A = {AMPLITUDE:g} μP, μ = {MU:g}; solid: at +Q_A; "
+    note += "dashed: P and the strain alone, no friction"
+    figure, axes = panels(3, "Largest tensile stress within a/2 of the trailing edge", note, 1, width=4.2, height=3.4)
+    depths = np.geomspace(1e-2, 1.0, 13)
+    for colour, k in enumerate(EXPONENTS):
+        strains = np.linspace(0.0, loop(k, 0.0).largest_strain, 7)
+        for axis, depth in zip(axes.flat[:2], (0.01, 0.1)):
+            axis.set(xlabel="strain at $Q_A$ [10⁻³]", title=f"at the depth {depth:g} a")
+            for frictionless, line in ((False, "-"), (True, "--")):
+                found = [tension(k, strain, depth, frictionless) / 1e6 for strain in strains]
+                label = None if frictionless else f"k = {k:g}"
+                axis.plot(1e3 * strains, found, line, color=f"C{colour}", label=label)
+        for frictionless, line in ((False, "-"), (True, "--")):
+            found = [tension(k, STRAIN, depth, frictionless) / 1e6 for depth in depths]
+            axes.flat[2].semilogx(depths, found, line, color=f"C{colour}")
+    axes.flat[2].set(xlabel="depth $y/a$ [–]", title=f"strain {1e4 * STRAIN:g}·10⁻⁴")
+    for axis in axes.flat:
+        axis.set(ylabel=r"largest $\sigma_{xx}$ [MPa]")
+    axes.flat[0].legend(fontsize=7)
+    return figure
+
+
+def tension(k: float, strain: float, depth: float, frictionless: bool) -> float:
+    """``largest_tension`` at +Q_A, depth over a; or of P and the strain alone."""
+    state = loop(k, strain).amplitude
+    depth *= state.contact.a
+    if not frictionless:
+        return largest_tension(state, depth)
+    of_pressure = StretchedPartialSlip(PartialSlip(state.contact, MU, 0.0, 0.0), 0.0)
+    return largest_tension(of_pressure, depth) + state.contact.solid.modulus(depth) * strain / (1 - NU**2)
 
 
 def read(arguments: list[str]):

@@ -209,7 +209,7 @@ def read(arguments: list[str]) -> tuple[Namespace, dict[str, dict]]:
     parser.add_argument("--stored", action="store_true", help="table and figure of what is solved already")
     given = parser.parse_args(arguments)
     if given.drawn < 1:
-        raise SceneError(f"--drawn {given.drawn} is not allowed: an integer in [1, inf[")
+        raise SceneError(f"--drawn {given.drawn} is not allowed: an integer ≥ 1")
     given.page = given.page or given.output / "campaign.md"
     make_folders(given)
     return given, drawn(given.drawn, given.only)

@@ -39,6 +39,6 @@ def read_map(arguments: list[str], name: str, description: str | None, values: t
     parser.add_argument("--values", type=int, nargs=2, default=values, metavar=("K", "NU"), help="how many of each")
     given = parser.parse_args(arguments)
     if min(given.values) < 2:
-        raise SceneError(f"--values {' '.join(map(str, given.values))} is not allowed: two integers in [2, inf[")
+        raise SceneError(f"--values {' '.join(map(str, given.values))} is not allowed: two integers ≥ 2")
     make_folders(given)
     return given

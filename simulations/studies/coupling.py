@@ -135,6 +135,7 @@ def _draw(folder, rows, k, nu):
             axis.set_ylabel(f"μ = {mu:g}\nPoisson's ratio ν [–]")
         for axis in axes[-1]:
             axis.set_xlabel("exponent k [–]")
+        figure.suptitle(f"Loops of amplitude $Q_A$ = {AMPLITUDE:g} μP, pressed without friction", fontsize=13)
         bar = figure.colorbar(filled, ax=axes, ticks=np.log10(LEVELS), pad=0.02, aspect=40)
         bar.ax.set_yticklabels([f"{level:g}" for level in LEVELS])
         bar.set_label("relative change by coupling [%]   (white line: 1 %, dashed: ν = 1/(2+k))")

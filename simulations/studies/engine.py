@@ -20,11 +20,13 @@ from mpi4py import MPI
 from mpi4py.futures import MPICommExecutor
 
 from ..command.progress import duration
+from ..command.stopping import stopping
 from ..output.files import OutputError
 from ..scene import SceneError
 from .store import Store
 
 Row = dict[str, Any]
+GO_ON = "the same command goes on where it was"
 FAILED = "failed"  # key of a row that holds nothing but the reason why there is no result
 POLL = 0.01  # seconds at most between two looks for messages of other ranks
 COLLECT = 3.0  # seconds between two searches for reference cycles
@@ -86,9 +88,11 @@ def run_all(
                 store.keep(_key(items[number]), items[number].values, row)
             except OSError as error:
                 reason = f"{store.path} cannot be written: {error.strerror or error}"
-                raise OutputError(f"{reason}; the same command goes on where it was") from None
+                raise OutputError(f"{reason}; {GO_ON}") from None
         progress.step(items[number].name, row)
 
+    if store:
+        stopping.tell(GO_ON)
     missing = [number for number in range(len(items)) if number not in rows]
     try:
         if executor is None:
@@ -97,9 +101,9 @@ def run_all(
         else:
             waiting = {executor.submit(_remote, work, items[number].values): number for number in missing}
             _share(waiting, lambda number: _attempt(work, items[number].values), finish, takes_part)
-    except KeyboardInterrupt:
+    except KeyboardInterrupt:  # in a program that uses this: commands end by ``stopping``
         if tell and store:
-            tell("stopped; the same command goes on where it was")
+            tell(f"stopped; {GO_ON}")
         raise
     return [rows[number] for number in range(len(items))]
 

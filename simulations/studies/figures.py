@@ -113,9 +113,9 @@ Figures 4–11 of Heß, Giesa, Riechert, Wilhayn, Appl. Sci. 2026, 16(1), 473, m
 
 Lines are the closed forms, points the finite elements. Where both have the same physics (coupling off, or the Holl
 ratio ν = 1/(2+k)) their distance is an *error*; where the finite elements have the coupling that the closed forms
-neglect it is a *difference*. Distances are taken at all nodes, not only at those drawn. Next to the edge of the
-contact the pressure ends like distance^((1+k)/2), infinitely steep: there the largest error sits, and it is that of a
-single node.
+neglect it is a *difference*. Distances are taken at all nodes; some 40 of them are drawn, and always the one that is
+farthest from the curve (in Figure 11 the farthest of a panel has a ring). Next to the edge of the contact the pressure
+ends like distance^((1+k)/2), infinitely steep: there the largest error sits, and it is that of a single node.
 """
 
 if __name__ == "__main__":

@@ -39,8 +39,8 @@ half-plane of modulus E0 under the same load. A power law has no length of its o
 
 """
 NOTE = (
-    "Ratio to the homogeneous contact of the same profile and load; thick line: equal to it. "
-    "Purple: less, orange: more.\n"
+    "Ratio to the homogeneous contact of the same profile and load. Purple: less, orange: more.\n"
+    "Thick lines: equal to it, on the straight one because $k = 0$ is the homogeneous contact itself. "
 )
 
 
@@ -112,7 +112,7 @@ def simulated_pictures(given: Namespace, found: dict[Point, Energies]):
             save(figure, given.output, "map_loads")
             title = "What coupling does to the dissipated energy"
             note = f"Mesh-free simulation against the theory, for any $y_0$; ν = {given.nu:g}, μ = {given.mu:g}. "
-            note += "Dots: simulated loops."
+            note += "Dots: simulated loops; cubic splines between them."
             save(pictures.coupling_effect(found, theory(found), title, note), given.output, "map_coupling")
 
 
@@ -170,7 +170,7 @@ def read(arguments: list[str]) -> Namespace:
         values = getattr(given, name)
         for value in values if isinstance(values, (list, tuple)) else (values,):
             if not low < value < high:
-                raise SceneError(f"--{name} {value:g} is not allowed: a number in ]{low:g}, {high:g}[")
+                raise SceneError(f"--{name} {value:g} is not allowed: a number, {low:g} < value < {high:g}")
     given.k = sorted({*given.k, 0.0})
     given.amplitudes, given.profiles = sorted(set(given.amplitudes)), sorted(set(given.profiles))
     given.page = given.page or given.output / "maps.md"

@@ -29,7 +29,7 @@ from ..scene import Scene, SceneError, make_scene
 from .commandline import make_folders, study_parser
 from .engine import FAILED as NO_ROW
 from .engine import Item, run_all, workers
-from .stability_report import FAILED, GREEN, REFUSED, WRONG, picture, summary, table
+from .stability_report import AFTER, FAILED, GREEN, REFUSED, WRONG, picture, summary, table
 from .store import Store
 
 CASES = Path(__file__).with_suffix(".toml")
@@ -126,7 +126,7 @@ def _measure(scene: Scene, every_state: bool) -> dict:
     if defects:
         causes = [c.cause for c in checks.values() if c.cause]
         failing = ", ".join(f"{n} {v:.1e}" for n, v in defects.items())
-        outcome, why = REFUSED, "; ".join([f"after the solve: {failing}", *causes])
+        outcome, why = REFUSED, "; ".join([f"{AFTER}: {failing}", *causes])
     elif off:
         outcome, why = WRONG, ", ".join(f"{n} {v:.1e}" for n, v in off.items())
     return {
@@ -189,7 +189,7 @@ def read(arguments: list[str]) -> tuple[Namespace, dict[str, dict]]:
     given = parser.parse_args(arguments)
     cases = read_cases(given.only)
     if given.drawn < 0:
-        raise SceneError(f"--drawn {given.drawn} is not allowed: an integer in [0, inf[")
+        raise SceneError(f"--drawn {given.drawn} is not allowed: an integer ≥ 0")
     cases |= drawn_cases(given.drawn)
     given.page = given.page or given.output / "stability.md"
     make_folders(given)

@@ -16,6 +16,16 @@ MEANING = {
     FAILED: "without an answer",
     WRONG: "off the reference though all checks hold",
 }
+AFTER = "after the solve"  # begins the reason of a run that its own checks refuse
+HELPS = "may help"  # ends the causes of checks that fail and have an action
+ACTIONS = {  # of what fails after the solve, where no cause tells it; the first that fits
+    "slip against q": "solver.theta = 0 or a larger solver.gamma0",
+    "wiggles": "effects.elastic_slip or fewer solver.increments",
+    "energy balance": "a larger mesh.first_layer or solver.gamma0 = 10, for less round-off",
+    "residual": "a larger mesh.first_layer or solver.gamma0 = 10, for less round-off",
+    "load balance": "a larger mesh.first_layer or solver.gamma0 = 10, for less round-off",
+    "": "a finer mesh: mesh.facet, mesh.edge_facet, mesh.first_layer",
+}
 
 
 def by_study(rows: list[dict]) -> dict[str, list[dict]]:
@@ -55,13 +65,26 @@ def table(rows: list[dict]) -> str:
             *worst,
         ]
         lines.append(f"| {name} | " + " | ".join(map(str, numbers)) + " |")
-    lines += ["", "| not green | how it ended | why | friction beside the critical one |", "|---|---|---|---|"]
+    lines += ["", "| not green | how it ended | why | friction beside the critical one | what a user can do |"]
+    lines.append("|---|---|---|---|---|")
     lines += [
-        f"| {row['name']} | {row['outcome']} | {row['why']} | {row.get('friction', '')} |"
+        f"| {row['name']} | {row['outcome']} | {row['why']} | {row.get('friction', '')} | {action(row)} |"
         for row in rows
         if row["outcome"] != GREEN
     ]
     return "\n".join(lines) + "\n"
+
+
+def action(row: dict) -> str:
+    """What a user can do about a case that is not green."""
+    why = row["why"]
+    if row["outcome"] == FAILED:
+        return "more solver.increments; above the critical coefficient effects.elastic_slip or a smaller load.mu"
+    if row["outcome"] == REFUSED and not why.startswith(AFTER):
+        return "the value that the reason names"
+    if why.endswith(HELPS):
+        return why.rpartition(": ")[2].removesuffix(HELPS).strip()
+    return next(what for name, what in ACTIONS.items() if name in why)
 
 
 def _largest(cases, name):

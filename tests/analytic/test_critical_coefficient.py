@@ -40,6 +40,13 @@ def test_search_finds_the_smallest_of_all_patterns_and_the_lower_bound_is_below(
     assert 0.3 < found.lower < smallest
 
 
+@pytest.mark.parametrize("elements, pattern", [(12, "+--------+-0"), (16, "+------------+-0")])
+def test_search_finds_slivers_at_the_edges_of_contact(elements, pattern):
+    """The smallest that descents from hundreds of random patterns find."""
+    rates = operator(-0.5, 0.0, elements)
+    assert smallest_singular(rates)[0] <= rates.singular(signs(pattern))[0] * (1 + 1e-9)
+
+
 @pytest.mark.parametrize("k, nu", [(-0.5, 0.0), (0.0, 0.0), (0.3, 0.3)])
 def test_rates_have_a_second_solution_at_the_upper_bound(k, nu):
     rates = operator(k, nu, 12)

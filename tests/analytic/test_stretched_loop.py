@@ -182,6 +182,44 @@ def test_two_alike_bodies():
     assert found == pytest.approx([0.2067e-3, 418.1e6, 0.2202, 0.1993], abs=0, rel=3e-4)
 
 
+def test_stress_on_a_homogeneous_half_plane():
+    """Muskhelishvili's potentials of the elliptic p and q in the body; at the trailing edge what they leave there."""
+    stretched = loop_of(0.0, load=0.9)
+    state, contact = stretched.amplitude, stretched.loop.contact
+    a, c, e, peak = contact.a, stretched.c, stretched.shift, contact.peak_pressure
+    bulk = contact.solid.E0 * stretched.strain / (1 - NU**2)
+    x, y = np.meshgrid(a * np.linspace(-2.0, 2.1, 42), a * np.array([0.01, 0.1, 1.0]))
+    z = x + 1j * y
+
+    def potential(z, s):
+        """∫ p(t, s)/(z - t) dt for the half-width s."""
+        return np.pi * peak / a * (z - np.sqrt(z - s) * np.sqrt(z + s))
+
+    def slope(z, s):
+        return np.pi * peak / a * (1 - z / (np.sqrt(z - s) * np.sqrt(z + s)))
+
+    p, dp = potential(z, a), slope(z, a)
+    q, dq = MU * (p - potential(z - e, c)), MU * (dp - slope(z - e, c))
+    expected = bulk - 2 / np.pi * (q.real - y / 2 * dq.imag - (p.imag + y * dp.real) / 2)
+    assert np.abs(state.stress_xx(x, y) - expected).max() < 1e-5 * np.abs(expected).max()
+    edge = 2 * MU * peak * np.sqrt((a + e) ** 2 - c**2) / a  # the strain itself has cancelled
+    q = potential(complex(-a), a) - potential(complex(-a - e), c)
+    assert bulk - 2 / np.pi * MU * q.real == pytest.approx(edge, rel=1e-12)
+    assert contact.solid.E0 / (1 - NU**2) * state.surface_strain(-a) == pytest.approx(edge, rel=1e-12)
+
+
+def test_stress_at_the_trailing_edge_comes_from_the_strain_of_the_surface():
+    """At the Holl ratio, where p does not strain it: E/(1 - nu²) du_x/dx, up to terms like the root of p beside it."""
+    k = 0.3
+    stretched = loop_of(k, load=0.9, nu=1 / (2 + k))
+    state, a, solid = stretched.amplitude, stretched.loop.a, stretched.loop.contact.solid
+    y = a * 4e-4 * 0.25 ** np.arange(3)
+    strain = state.stress_xx(-a, y, nodes=20000) * (1 - solid.nu**2) / solid.modulus(y)
+    ratio = 0.25 ** ((1 - k) / 2)  # by which these fall
+    limit = (strain[1:] - ratio * strain[:-1]) / (1 - ratio)
+    assert limit[-1] == pytest.approx(state.surface_strain(-a), rel=3e-4)
+
+
 def test_refusals():
     """Every refusal says what is allowed."""
     loop = loop_of(0.3).loop

@@ -22,8 +22,8 @@ LINE = ("go on with python -m simulations.fretting --resume", "start again with 
 DONE = "the run is done"
 
 
-def start(*arguments, ranks=1, python=()):
-    command = [sys.executable, "-u", *python, "-m", "simulations.fretting", *map(str, arguments)]
+def start(*arguments, ranks=1, python=(), module="simulations.fretting"):
+    command = [sys.executable, "-u", *python, "-m", module, *map(str, arguments)]
     if ranks > 1:
         command = [shutil.which("mpirun"), "-n", str(ranks), *command]
     environment = os.environ | MPI_ENVIRONMENT | {"PYTHONPATH": str(ROOT)}
@@ -51,7 +51,7 @@ def stopped(process, victim, number, after):
 def ranks_of(pid):
     """Processes of the ranks under an mpirun."""
     children = Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
-    return sorted(int(c) for c in children if b"simulations.fretting" in Path(f"/proc/{c}/cmdline").read_bytes())
+    return sorted(int(c) for c in children if b"simulations." in Path(f"/proc/{c}/cmdline").read_bytes())
 
 
 def surface(folder):
@@ -137,3 +137,22 @@ def test_the_exit_code_of_a_batch_system(tmp_path):
     """A time limit that is near: SIGUSR1."""
     code, said = stopped(process := start(*coarse_arguments(tmp_path)), lambda: process.pid, signal.SIGUSR1, 0.3)
     assert code == 128 + signal.SIGUSR1 and "stopped by SIGUSR1; " in said
+
+
+@pytest.mark.parametrize("ranks, number, code", [(1, "SIGINT", 130), (2, "SIGTERM", 143), ("mpirun", "SIGTERM", 1)])
+def test_a_stopped_sweep_says_how_to_go_on(ranks, number, code, tmp_path):
+    """To rank 0, or to mpirun, which then has a code of its own; what is finished is kept, as after a SIGKILL."""
+    arguments = coarse_arguments(tmp_path, reference__kind='"none"')
+    vary = ["--vary", "solid.k=0.0:0.4:40"]
+    process = start(*vary, *arguments, ranks=1 if ranks == 1 else 2, module="simulations.sweep")
+    watchdog = threading.Timer(120, process.kill)
+    watchdog.start()
+    kept = tmp_path / "sweep.jsonl"
+    while process.poll() is None and not (kept.exists() and kept.read_text().endswith("\n")):
+        time.sleep(0.02)
+    os.kill(ranks_of(process.pid)[0] if ranks == 2 else process.pid, getattr(signal, number))
+    _, said = process.communicate()
+    watchdog.cancel()
+    assert process.returncode == code, said
+    assert said.decode().count("the same command goes on where it was\n") == 1 and b"Traceback" not in said, said
+    assert "a[m]" in json.loads(kept.read_text().splitlines()[0])["row"]

@@ -92,6 +92,7 @@ loop() {
 }
 input() { [[ $(echo x | "$run" cat) == x && $(echo 'print(6 * 7)' | "$run" python -) == 42 ]]; }
 rank_input() { [[ $(echo x | "$run" mpirun --stdin 0 -n 1 cat) == x ]]; }
+rank_status() { "$run" mpirun -n 2 sh -c 'exit 4'; (($? == 4)); }
 status() { "$run" sh -c 'exit 7'; (($? == 7)); }
 together() {
     local first second
@@ -136,6 +137,16 @@ typed() { # Ctrl-C in a terminal
     script -qec "'$run' python tell.py" /dev/null <>keys >/dev/null & told 2 $! sh -c 'printf "\003" >keys'
 }
 
+mpirun_ends() { # SIGNAL STATUS: mpirun itself says 1
+    local job status=0
+    rm -f begun
+    "$run" mpirun -n 2 sh -c 'touch begun; sleep 60' & job=$!
+    for _ in {1..300}; do [[ -e begun ]] && break; sleep 0.1; done
+    kill -s "$1" "$job"
+    wait "$job" || status=$?
+    [[ $status == "$2" ]] || { echo "status $status" && return 1; }
+}
+
 cd "$work/own" || exit
 check "the working directory stays, outside the checkout" own_folder
 check "output in another folder, absolute" output "$work/other/new" "$work/other/new"
@@ -162,6 +173,9 @@ check "a dated archive's sources" dated
 check "SIGINT ends the command" signalled 2
 check "Ctrl-C in a terminal ends the command" typed
 check "SIGTERM ends the command" signalled 15
+check "SIGINT to mpirun is told by the exit status" mpirun_ends INT 130
+check "SIGTERM to mpirun is told by the exit status" mpirun_ends TERM 143
+check "and so is what its ranks end with" rank_status
 for folder in / /usr /etc /bin /lib /proc /opt/stack /var; do
     [[ ! -d $folder ]] || check "--mount $folder is refused" refused "$folder" "$run" --mount "$folder" true
 done
@@ -175,13 +189,15 @@ if [[ ! ${GRADED_FRETTING_STACK-} ]]; then
     check "an input in a system folder is refused" refused "/etc/hosts" "$run" cat /etc/hosts
     check "a system folder as working directory is refused" refused "/usr" within /usr "$run" true
 fi
+# README's scene of one's own, and its command as it stands there
+sed -n '/^Write `mine.toml`/,/^and run it there/s/^    //p' "$root/README.md" >mine.toml
+mapfile -t own < <(sed -n "s|^    PATH/docker/run \(.* mine.toml .*\)$|\1|p" "$root/README.md" | tr ' ' '\n')
+check "README's scene in a folder of one's own, explained" "$run" "${own[@]}" --explain
 if [[ ${1-} == --jobs ]]; then
-    cp "$root/scenes/homogeneous.toml" scene.toml
     check "a scene of one's own, output beside it" "$run" python -m simulations.indentation --output results
     check "which belongs to the caller" mine results/summary.json
-    check "two ranks, own scene, output elsewhere" \
-        "$run" mpirun -n 2 python -m simulations.fretting scene.toml --output ../other/fretting
-    check "which belongs to the caller, too" mine ../other/fretting/summary.json
+    check "README's scene in a folder of one's own: ${own[*]}" "$run" "${own[@]}"
+    check "which belongs to the caller, too" mine mine/summary.json
     check "a script of the checkout" "$run" python "$root/examples/profiles.py" picture.png
     check "whose picture belongs to the caller" mine picture.png
 fi

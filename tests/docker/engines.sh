@@ -19,7 +19,7 @@ broken.build) echo "runtime of $name not found" >&2; exit 125 ;;
 *.info) echo rootless: true ;;
 *.image) [[ -e $XDG_CACHE_HOME/$name.built ]] ;;
 lame.run) echo "$name: no working runtime" >&2; exit 126 ;;
-*.build) echo x >"$XDG_CACHE_HOME/$name.built" ;;
+*.build) echo "$*" >"$XDG_CACHE_HOME/$name.built" ;;
 works.run) while [[ $1 != graded-fretting:* ]]; do shift; done; shift; echo "by $name"; exec "$@" ;;
 esac
 STAND_IN
@@ -50,5 +50,11 @@ expect "and not tried again at once" broken works "docker/run: not by docker: it
 rm -f "$work"/cache/*.built "$work"/cache/graded-fretting/passed-over.*
 expect "nor one that builds and cannot run" lame works \
     "*not by docker, which cannot build or run the image: docker: no working runtime*by podman"$'\n'done
+rm -f "$work"/cache/*.built "$work"/cache/graded-fretting/*
+export GRADED_FRETTING_SNAPSHOT=20260801T000000Z
+expect "a dated archive is asked for" works works "*by docker"$'\n'done
+grep -q -- "--build-arg SNAPSHOT=$GRADED_FRETTING_SNAPSHOT" "$work/cache/docker.built" || failures=$((failures + 1))
+GRADED_FRETTING_SNAPSHOT=yesterday
+expect "and refused where it is no date" works works "snapshot = yesterday: not a date like*"
 echo "$failures failed"
 exit "$failures"

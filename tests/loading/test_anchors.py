@@ -83,6 +83,13 @@ def test_points_that_stop_as_the_load_turns_back_stay():
         assert len(anchors_of_stopped(X, before, after, side, before.s, np.nan)[0]) == 0
 
 
+def test_points_that_stop_as_the_load_turns_back_stay_though_the_outermost_slide_on():
+    """Those that enter contact just then slide: the edge of stick has gone much further than that of contact."""
+    before, after = touching(0.8, stick=0.3), touching(0.85, stick=0.8)
+    for side in (-1, 1):
+        assert len(anchors_of_stopped(X, before, after, side, before.s, np.nan)[0]) == 0
+
+
 def test_where_the_edge_of_stick_begins_to_draw_points_go_on_from_where_they_were():
     """Further inside points stuck at zero before friction began: no curve goes through them and the edge."""
     was = np.where(np.abs(X) > 0.41, np.sqrt(np.abs(np.abs(X) - 0.41)), 0.0)

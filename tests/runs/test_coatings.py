@@ -3,8 +3,9 @@
 import pytest
 from solving import solved
 
+from simulations.loading.stepping import SolveError
 from simulations.runs.comparison import compare
-from simulations.runs.mesh_free import MeshFree
+from simulations.runs.mesh_free import MeshFree, NoReference
 
 SCENE = """
 [solid]
@@ -63,3 +64,17 @@ def test_a_thick_coating_is_the_power_law():
         off.append(abs(widths[1] / widths[0] - 1))
     assert off[0] > 1e-2
     assert off[1] < off[0] / 4
+
+
+@pytest.mark.parametrize(
+    "modulus, thickness, E_substrate, said",
+    [
+        ("linear", 0.01, "2.1e15", r"end of \|x\| < .*solid.thickness = 7.43e-06 m and solid.E_substrate = 1e\+04 s"),
+        ("exponential", 1.0, "2.1e9", r"is met to .* is needed; solid.thickness .* = 0.01 solid.E0"),
+    ],
+)
+def test_coatings_that_are_out_of_reach_are_named(modulus, thickness, E_substrate, said):
+    """A soft film on a substrate 1e4 times as stiff, and a substrate 100 times softer: no answer, no reference."""
+    text = SCENE.format(modulus=modulus, more=f"E_substrate = {E_substrate}", thickness=thickness)
+    with pytest.raises((SolveError, NoReference), match=said):
+        MeshFree(solved(text, load__cycles=0, effects__coupling="false"), nodes=(60,))

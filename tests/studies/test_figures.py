@@ -63,13 +63,15 @@ def test_homogeneous_curve_of_figures_8_and_9(share):
 
 
 def test_lines_drawn_are_the_curves_and_points_are_the_run(runs):
-    figure, _ = distributions.draw(runs, 4, 0.1, "traction")
+    figure, found = distributions.draw(runs, 4, 0.1, "traction")
     axis = figure.axes[1]
     curve, points = axis.lines[0], axis.lines[1]
     x = curve.get_xdata()
     assert curve.get_ydata() == pytest.approx(distributions.curve(0.5, 0.1, SHARES[0], "traction", x), abs=1e-14)
     field, normal = runs.monotone(0.5, NU, SHARES, coupling=False)[SHARES[0]], contact(0.5, 0.1)
-    shown = field.drawn()
+    farthest = next(d.at for d in found if d.panel == "b")
+    shown = field.drawn(farthest)
+    assert farthest in shown
     assert points.get_xdata() == pytest.approx(field.x[shown] * normal.a)
     unit = own_units(normal, MU).traction / homogeneous_units(normal, MU).traction
     assert points.get_ydata() == pytest.approx(field.traction[shown] * unit)

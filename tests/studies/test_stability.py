@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 from running import coarse_arguments, run_command
-from solving import coarse_simulation, limit_stepping, solved
+from solving import SHRINKING, coarse_simulation, limit_stepping, solved
 
 from simulations.fem import body
 from simulations.loading.pinning import PinnedPoint
@@ -21,11 +21,8 @@ from simulations.scene import SceneError, make_scene
 from simulations.solvers import newton
 from simulations.solvers.condensed import tangent
 from simulations.studies import stability
-from simulations.studies.stability_report import GREEN, REFUSED
+from simulations.studies.stability_report import FAILED, GREEN, REFUSED, action
 
-SHRINKING = stability.read_cases(["reversals at every level"])["reversals at every level: k -0.5"] | {
-    "load.points": [[1e6, 0.0], [1e6, 1e5], [5e5, 1e5]]
-}
 UNCOUPLED = {"effects__coupling": "false", "solid__nu": 0.3}
 
 
@@ -131,21 +128,6 @@ def test_last_point_that_sticks_is_pinned(monkeypatch):
     monkeypatch.setattr(PinnedPoint, "update", lambda self: False)
     with pytest.raises(SolveError, match="singular"):
         shrunk()
-
-
-def test_pinned_point_on_any_ranks_by_either_method(tmp_path):
-    scene = tmp_path / "shrinking.toml"
-    scene.write_text("".join(f"{key} = {json.dumps(value)}\n" for key, value in SHRINKING.items()))
-    ends = []
-    for ranks, method in ((1, "condensed"), (2, "condensed"), (3, "condensed"), (2, "full")):
-        folder = tmp_path / f"{method} {ranks}"
-        done = run_command(scene, "--set", f"solver.method={method}", "--output", folder, ranks=ranks)
-        assert done.returncode == 0, done.stderr
-        with open(folder / "history.csv", newline="") as file:
-            last = list(csv.DictReader(file))[-1]
-        ends.append([float(last[name]) for name in ("delta_x[m]", "delta_y[m]", "a[m]", "dissipated_energy[J/m]")])
-    for end in ends[1:]:
-        assert end == pytest.approx(ends[0], rel=1e-7)
 
 
 def test_thin_cells_are_kept():
@@ -308,11 +290,11 @@ def outcomes(names) -> dict[str, str]:
 
 
 def test_a_part_of_the_matrix():
-    names = list(stability.read_cases())[::14]
+    names = list(stability.read_cases())[12::14]  # from here on as many studies as from 0 on, in half the time
     ended = outcomes(names)
     assert set(ended.values()) <= {GREEN, REFUSED}, ended
     refused = [name for name, outcome in ended.items() if outcome == REFUSED]
-    assert [name.split(":")[0] for name in refused] == ["box pressure", "small amplitude"], refused
+    assert [name.split(":")[0] for name in refused] == ["box pressure", "small amplitude", "absurd meshes"], refused
 
 
 def test_the_command_writes_and_resumes(tmp_path):
@@ -336,3 +318,15 @@ def test_the_draw_is_seeded_and_admissible():
     assert list(cases) == list(stability.drawn_cases(40))[:20] and len(cases) == 20
     for values in cases.values():
         make_scene({key: value for key, value in values.items() if key != stability.EVERY_STATE}, base=None)
+
+
+@pytest.mark.parametrize(
+    "outcome, why, what",
+    [
+        (REFUSED, "mesh.edge_facet = 0.02 is too coarse: 0.01 or less would do", "the reason names"),
+        (REFUSED, "after the solve: traction wiggles 8.0e-02; mu = 2 is above 1.4: less of it may help", "less of it"),
+        (FAILED, "no equilibrium: Newton cycles", "increments"),
+    ],
+)
+def test_table_tells_what_a_user_can_do(outcome, why, what):
+    assert what in action({"outcome": outcome, "why": why})

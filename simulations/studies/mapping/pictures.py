@@ -1,14 +1,19 @@
-"""The maps as filled contours: the homogeneous level is the thick line."""
+"""The maps as filled contours: where a quantity is that of the homogeneous contact there are thick lines."""
 
 import numpy as np
+from matplotlib.colors import BoundaryNorm
+from matplotlib.patheffects import withStroke
 from matplotlib.ticker import FuncFormatter
+from scipy.interpolate import make_interp_spline
 
-from ...output.style import GREY, panels
+from ...output.style import BLACK, GREY, panels
 from .answers import ratios
 from .points import Energies, Point
 
 DEPTHS = np.geomspace(1e-2, 1e2, 81)  # y0/a0
 LEVELS = 2.0 ** np.arange(-5, 6)  # of ratios
+CHANGES = np.array([-80, -70, -60, -50, -40, -30, -20, -10, -5, -2, -1, 0])  # of the energy by coupling [%]
+FINE = len(DEPTHS)  # points a side between which contours are straight
 NAMES = {"energy": r"energy per cycle $\Delta W$", "density": r"peak density $\max\,w$"}
 SHAPES = {1.5: "$f\\sim|x|^{1.5}$", 2.0: "$f\\sim x^2$", 4.0: "$f\\sim x^4$"}
 
@@ -56,18 +61,19 @@ def coupling_effect(found: dict[Point, Energies], theory: dict[Point, Energies],
     """Simulated energy over that of the theory, over k and Q_A/(mu P), a column a profile."""
     profiles = sorted({p.m for p in found})
     figure, axes = panels(len(profiles), title, note, width=4.3, height=3.9)
-    levels = np.arange(-80, 11, 10)
     for axis, m in zip(axes[0], profiles, strict=True):
         of_m = {(p.k, p.amplitude): 100 * (e.energy / theory[p].energy - 1) for p, e in found.items() if p.m == m}
         k, amplitudes = sorted({key[0] for key in of_m}), sorted({key[1] for key in of_m})
         table = np.array([[of_m.get((x, y), np.nan) for x in k] for y in amplitudes])
-        filled = axis.contourf(k, amplitudes, np.ma.masked_invalid(table), levels, cmap="cividis", extend="both")
-        lines = axis.contour(k, amplitudes, np.ma.masked_invalid(table), levels, colors="white", linewidths=0.6)
-        axis.clabel(lines, fmt="%g %%", fontsize=9)
+        fine = _finer(k, amplitudes, table)
+        filled = axis.contourf(*fine, CHANGES, cmap="viridis", norm=BoundaryNorm(CHANGES, 256), extend="both")
+        lines = axis.contour(*fine, CHANGES, colors="white", linewidths=0.8, linestyles="solid")
+        for label in axis.clabel(lines, fmt=lambda v: f"{v:g} %".replace("-", "−"), fontsize=9, colors=BLACK):
+            label.set_path_effects([withStroke(linewidth=2.5, foreground="white")])
         axis.plot(*np.array(list(of_m)).T, ".", ms=2.5, color="white")
         axis.set(xlabel="exponent $k$ [–]", ylabel=r"amplitude $Q_A/(\mu P)$ [–]", title=shape(m))
         axis.grid(False)
-    figure.colorbar(filled, ax=axes[0].tolist(), label=r"change of $\Delta W$ by coupling [%]")
+    figure.colorbar(filled, ax=axes[0].tolist(), ticks=CHANGES, label=r"change of $\Delta W$ by coupling [%]")
     return figure
 
 
@@ -76,10 +82,28 @@ def _row(by_k, k):
     return [by_k.get(one, np.nan) for one in k]
 
 
-def _fill(axis, x, y, table):
-    filled = axis.contourf(x, y, np.log2(np.ma.masked_invalid(table)), np.log2(LEVELS), cmap="PuOr_r", extend="both")
-    axis.contour(x, y, np.ma.masked_invalid(table), LEVELS[LEVELS != 1], colors=GREY, linewidths=0.6)
-    axis.contour(x, y, np.ma.masked_invalid(table), [1.0], colors="black", linewidths=2.2)
+def _finer(x, y, table):
+    """x, y and table (y, x), by cubic splines at FINE places a side; as it is where the table has holes."""
+    if np.isnan(table).any():
+        return np.array(x), np.array(y), np.ma.masked_invalid(table)
+    places = []
+    for axis, points in ((1, x), (0, y)):
+        places.append(np.linspace(points[0], points[-1], FINE) if len(points) < FINE else np.array(points))
+        table = make_interp_spline(points, table, k=min(3, len(points) - 1), axis=axis)(places[-1])
+    return *places, table
+
+
+def _fill(axis, k, y, table):
+    """Filled contours of ratios (y, k) that are 1 at k = 0, where a thick line stands; another one where else they are.
+
+    The latter crosses k = 0: it is the zero of log(ratio)/k, which has a value there.
+    """
+    k, y, powers = _finer(k, y, np.log2(table))
+    filled = axis.contourf(k, y, powers, np.log2(LEVELS), cmap="PuOr_r", extend="both")
+    axis.contour(k, y, powers, np.log2(LEVELS[LEVELS != 1]), colors=GREY, linewidths=0.6, linestyles="solid")
+    graded = np.abs(k) > 1e-9
+    axis.contour(k[graded], y, powers[:, graded] / k[graded], [0.0], colors=BLACK, linewidths=2.2)
+    axis.axvline(0, color=BLACK, lw=2.2)
     axis.grid(False)
     return filled
 

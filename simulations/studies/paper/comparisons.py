@@ -6,7 +6,7 @@ import numpy as np
 
 from analytic import GradedHalfPlane
 
-from ...output.style import BLUE, COLOURS, MARKERS, PURPLE, RED, panels
+from ...output.style import BLACK, BLUE, COLOURS, MARKERS, PURPLE, RED, panels
 from .elements import Deviation, Runs, closed_field, convert
 from .setting import AMPLITUDE, MU, STATES, contact, homogeneous_units, own_units
 
@@ -41,9 +41,10 @@ NEGATIVE = Pair(-0.1, 0.495)
 HOLL = Pair(0.3, GradedHalfPlane.holl_ratio(0.3))  # the paper's 0.43478
 COUPLED = Pair(0.3, 0.3)
 NOTE = (
-    f"Lines: closed forms, exact at the Holl ratio ν = 1/(2+k) alone. Points: finite elements with coupling; "
-    f"μ = {MU:g}, which the paper does not give.\n"
+    f"Lines: closed forms, exact at the Holl ratio ν = 1/(2+k) alone. Points: finite elements with coupling, the node "
+    f"farthest from each curve among them.\nμ = {MU:g}, which the paper does not give. "
 )
+RING = {"mfc": "none", "mec": BLACK, "ms": 13, "mew": 1.4, "ls": "none"}
 
 
 def theory(pair: Pair):
@@ -70,13 +71,14 @@ def figure10(runs: Runs):
             axis.plot(x, loop.amplitude.slip(x) / units.slip, color=colour)
             field = runs.loop(pair.k, pair.nu, AMPLITUDE, coupling=True).states["A"]
             slip, place = convert(-field.slip, own, units, "slip"), convert(field.x, own, units, "length")
-            drawn = [i for i in field.drawn() if field.pressure[i] > 0]
-            label = pair.label + (" (Holl ratio)" if pair.is_decoupled else "")
-            axis.plot(place[drawn], slip[drawn], marker, color=colour, label=label)
-            under = np.abs(field.x) <= 1
+            under = np.flatnonzero(np.abs(field.x) <= 1)
             closed = closed_field(normal, loop, field.x[under], loop.Q_A, "unloading")["slip"]
             at = (field.weight[under], -field.slip[under], closed)
-            deviations.append(Deviation.of(panel, pair.name, "slip", pair.is_decoupled, *at))
+            found = Deviation.of(panel, pair.name, "slip", pair.is_decoupled, *at)
+            deviations.append(found)
+            drawn = [i for i in field.drawn(under[found.at]) if field.pressure[i] > 0]
+            label = pair.label + (" (Holl ratio)" if pair.is_decoupled else "")
+            axis.plot(place[drawn], slip[drawn], marker, color=colour, label=label)
         axis.set(
             xlabel=r"position $x/a_0$ [–]",
             ylabel=r"slip $h_x\,/\,(\mu a_0^2/2R)$ [–]",
@@ -89,35 +91,39 @@ def figure10(runs: Runs):
 def figure11(runs: Runs):
     """Traction at the states A ... E."""
     note = (
-        NOTE + rf"$Q_A = {AMPLITUDE:g}\,\mu P$, $y_0 = {DEPTH:g}\,a_0$. The paper does not give the loads of B and D."
+        NOTE
+        + "It does not give the loads of B and D either.\n"
+        + rf"$Q_A = {AMPLITUDE:g}\,\mu P$, $y_0 = {DEPTH:g}\,a_0$; $p_0 = 2P/(\pi a_0)$ and $a_0$: peak pressure and "
+        + "half-width of the homogeneous contact."
     )
     figure, axes = panels(2, "Figure 11. Tangential traction through the cycle", note)
     deviations = []
     for axis, (panel, pair) in zip(axes[0], {"a": NEGATIVE, "b": HOLL}.items(), strict=True):
         deviations += traction_panel(axis, runs, panel, pair)
         axis.legend(loc="upper center", ncols=3, columnspacing=1.0, handletextpad=0.3)
-        axis.set_ylim(-1.3, 1.75)
+        axis.set_ylim(-1.3, 1.95)
     return figure, deviations
 
 
 def traction_panel(axis, runs: Runs, panel: str, pair: Pair):
-    """One panel of Figure 11 for any pair; its deviations."""
+    """One panel of Figure 11 for any pair, with a ring around the node farthest from its curve; its deviations."""
     normal, loop = theory(pair)
     own, units = own_units(normal, MU), homogeneous_units(normal, MU)
     x = np.linspace(-1.15, 1.15, 1201) * normal.a
     computed = runs.loop(pair.k, pair.nu, AMPLITUDE, coupling=True).states
-    deviations = []
+    farthest = {}
     for i, (state, (share, branch)) in enumerate(STATES.items()):
         at = {"Q": share * loop.Q_A, "branch": branch}
         colour = (BLUE, COLOURS[1], COLOURS[2], PURPLE, RED)[i]
         axis.plot(x, loop.traction(x, **at) / units.traction, color=colour)
         field, exact = computed[state], pair.is_decoupled
         traction, place = convert(field.traction, own, units, "traction"), convert(field.x, own, units, "length")
-        drawn = field.drawn()
-        label = f"{state}: " + LOADS[state]
-        axis.plot(place[drawn], traction[drawn], MARKERS[i], ms=4, color=colour, label=label)
         closed = closed_field(normal, loop, field.x, **at)["traction"]
-        name = f"{pair.name}, {state}"
-        deviations.append(Deviation.of(panel, name, "traction", exact, field.weight, field.traction, closed))
+        found = Deviation.of(panel, f"{pair.name}, {state}", "traction", exact, field.weight, field.traction, closed)
+        drawn, label = field.drawn(found.at), f"{state}: " + LOADS[state]
+        axis.plot(place[drawn], traction[drawn], MARKERS[i], ms=4, color=colour, label=label)
+        farthest[found] = place[found.at], traction[found.at]
+    worst = max(farthest, key=lambda found: found.largest)
+    axis.plot(*farthest[worst], "o", label=f"{worst.kind} {100 * worst.largest:.2g} %", **RING)
     axis.set(xlabel=r"position $x/a_0$ [–]", ylabel=r"traction $q\,/\,(\mu p_0)$ [–]", title=f"({panel})  {pair.label}")
-    return deviations
+    return list(farthest)

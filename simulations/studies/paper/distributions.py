@@ -8,9 +8,9 @@ from .setting import EXPONENTS, MU, NU, SHARES, contact, homogeneous_units, own_
 
 NOTE = (
     f"Lines: closed forms with ν = {NU:g} (the paper gives no ν; μ drops out), which neglect coupling. "
-    "Points: finite elements with coupling off.\n"
-    r"Dotted: half-width $a_0$ of the homogeneous contact; $p_0 = 2P/(\pi a_0)$. "
-    "The loads are our choice: the paper names none."
+    "The loads are our choice: the paper names none.\n"
+    "Points: finite elements with coupling off, the node farthest from its curve among them. "
+    r"Dotted: half-width $a_0$ of the homogeneous contact; $p_0 = 2P/(\pi a_0)$."
 )
 QUANTITIES = {
     "traction": r"traction $q\,/\,(\mu p_0)$ [–]",
@@ -49,15 +49,16 @@ def _panel(axis, runs, panel, k, y0_over_a0, quantity):
         i = SHARES.index(share)
         axis.plot(x, curve(k, y0_over_a0, share, quantity, x), color=COLOURS[i])
         computed = convert(getattr(field, quantity), own, units, quantity)
-        place, drawn = convert(field.x, own, units, "length"), field.drawn()
+        closed = closed_field(normal, normal.fretting(MU, z=1 - share), field.x, share * MU * normal.P, "initial")
+        exact = closed["traction"] if quantity == "traction" else 4 * closed["traction"] * closed["slip"]
+        name = f"k = {k:g}, Q = {share:g} μP"
+        found = Deviation.of(panel, name, quantity, True, field.weight, getattr(field, quantity), exact)
+        deviations.append(found)
+        place, drawn = convert(field.x, own, units, "length"), field.drawn(found.at)
         if quantity == "density":  # the stick zone's zeros would lie on one another
             drawn = drawn[computed[drawn] > 1e-6 * computed.max()]
         label = rf"$Q = {share:g}\,\mu P$" if quantity == "traction" else rf"$Q_A = {share:g}\,\mu P$"
         axis.plot(place[drawn], computed[drawn], MARKERS[i], color=COLOURS[i], label=label)
-        closed = closed_field(normal, normal.fretting(MU, z=1 - share), field.x, share * MU * normal.P, "initial")
-        exact = closed["traction"] if quantity == "traction" else 4 * closed["traction"] * closed["slip"]
-        name = f"k = {k:g}, Q = {share:g} μP"
-        deviations.append(Deviation.of(panel, name, quantity, True, field.weight, getattr(field, quantity), exact))
     axis.axvline(-1, color="0.6", lw=1, ls=":")
     axis.axvline(1, color="0.6", lw=1, ls=":")
     axis.set(xlabel=r"position $x/a_0$ [–]", ylabel=QUANTITIES[quantity], title=f"({panel})  $k = {k:g}$")

@@ -31,10 +31,10 @@ class Field:
         """4 q h_x of a state at +Q_A, (51)."""
         return -4 * self.traction * self.slip
 
-    def drawn(self, reach: float = 1.05, count: int = DRAWN) -> np.ndarray:
-        """Indices of about ``count`` nodes evenly spread over |x| < ``reach`` a."""
+    def drawn(self, farthest: int, reach: float = 1.05, count: int = DRAWN) -> np.ndarray:
+        """Indices of about ``count`` nodes evenly spread over |x| < ``reach`` a, and of the node ``farthest``."""
         wanted = np.linspace(-reach, reach, count)
-        return np.unique(np.clip(np.searchsorted(self.x, wanted), 0, len(self.x) - 1))
+        return np.unique([*np.clip(np.searchsorted(self.x, wanted), 0, len(self.x) - 1), farthest])
 
 
 @dataclass(frozen=True)
@@ -50,6 +50,7 @@ class Deviation:
     """How far computed points are from a curve: an error where both have the same physics, else a difference.
 
     largest: at any node of the contact, over the curve's largest value. l2: over the contact; nan for single numbers.
+    at: index of that node.
     """
 
     panel: str
@@ -58,12 +59,14 @@ class Deviation:
     kind: str
     largest: float
     l2: float
+    at: int = -1
 
     @classmethod
     def of(cls, panel, curve, quantity, exact: bool, weight, computed, closed) -> "Deviation":
         """Deviation of nodal values (n,) from those of the closed form; exact: same physics."""
-        largest = float(np.max(np.abs(computed - closed)) / np.max(np.abs(closed)))
-        return cls(panel, curve, quantity, kind_of(exact), largest, relative_l2(weight, computed, closed))
+        distance = np.abs(computed - closed)
+        largest, l2 = float(distance.max() / np.abs(closed).max()), relative_l2(weight, computed, closed)
+        return cls(panel, curve, quantity, kind_of(exact), largest, l2, int(distance.argmax()))
 
 
 def kind_of(exact: bool) -> str:

@@ -12,6 +12,7 @@ COMPUTED = (0.3, 0.6, 0.9)  # amplitudes of the finite-element loops
 NOTE = (
     f"Lines: closed forms with ν = {NU:g} (the paper gives no ν; μ drops out), which neglect coupling. "
     "Points: finite elements with coupling off.\n"
+    "Below: the same on a logarithmic scale. The homogeneous curve is the paper's equation (59).\n"
 )
 
 
@@ -33,7 +34,7 @@ def curve(k: float, y0_over_a0: float, amplitude, nu: float = NU) -> np.ndarray:
     return MU**2 * normal.solid.alpha * work / homogeneous_units(normal, MU).energy
 
 
-HOMOGENEOUS = Line(0.0, 1.0, "homogeneous, (59)", RED, "*")
+HOMOGENEOUS = Line(0.0, 1.0, r"$k = 0$ (homogeneous)", RED, "*")
 
 
 def figure8(runs: Runs):
@@ -54,7 +55,7 @@ def figure9(runs: Runs):
     marks = ("o", "s", "*", "^", "D")
 
     def line(k, y, colour, mark):
-        return Line(k, y, f"$k = {k:g}$" + (", (59)" if k == 0 else ""), colour, mark)
+        return Line(k, y, f"$k = {k:g}$" + (" (homogeneous)" if k == 0 else ""), colour, mark)
 
     depths = {"a": 0.01, "b": 10.0}
     lines = {
@@ -71,28 +72,28 @@ def _others():
 
 
 def _draw(runs, title, note, lines, titles):
-    figure, axes = panels(2, title, note)
+    figure, axes = panels(2, title, note, rows=2, height=3.9)
     deviations = []
     share = np.linspace(0, 1 - 1e-9, 301)
-    for axis, (panel, curves) in zip(axes[0], lines.items(), strict=True):
+    for (axis, logarithmic), (panel, curves) in zip(axes.T, lines.items(), strict=True):
         for line in curves:
             normal = contact(line.k, line.y0_over_a0)
             own, units = own_units(normal, MU), homogeneous_units(normal, MU)
-            axis.plot(share, curve(line.k, line.y0_over_a0, share), color=line.colour)
+            energies = curve(line.k, line.y0_over_a0, share)
+            for one in (axis, logarithmic):
+                one.plot(share[1:], energies[1:], color=line.colour)
             loops = [runs.loop(line.k, NU, amplitude, coupling=False) for amplitude in COMPUTED]
             computed = convert(np.array([loop.energy for loop in loops]), own, units, "energy")
             size = 8 if line.marker == "*" else None
-            axis.plot(COMPUTED, computed, line.marker, ms=size, color=line.colour, label=line.label)
+            for one in (axis, logarithmic):
+                one.plot(COMPUTED, computed, line.marker, ms=size, color=line.colour, label=line.label)
             exact = curve(line.k, line.y0_over_a0, COMPUTED)
             largest = float(np.max(np.abs(computed / exact - 1)))
             name = f"k = {line.k:g}, y0 = {line.y0_over_a0:g} a0"
             deviations.append(Deviation(panel, name, "energy", kind_of(True), largest, float("nan")))
-        axis.set(
-            xlabel=r"amplitude $Q_A/(\mu P)$ [–]",
-            ylabel=r"energy per cycle $\Delta W\,/\,(\mu^2 P a_0^2/2R)$ [–]",
-            title=titles[panel],
-            xlim=(0, 1),
-            ylim=(0, None),
-        )
+        for one in (axis, logarithmic):
+            one.set(xlabel=r"amplitude $Q_A/(\mu P)$ [–]", ylabel=r"$\Delta W\,/\,(\mu^2 P a_0^2/2R)$ [–]", xlim=(0, 1))
+        axis.set(title=titles[panel], ylim=(0, None))
+        logarithmic.set(yscale="log", ylim=(1e-4, 20))
         axis.legend(loc="upper left")
     return figure, deviations

@@ -1,0 +1,70 @@
+"""Where contact and stick zone will end under bulk strain, before anything is solved: what the mesh is graded to."""
+
+import numpy as np
+
+from analytic import StretchedLoop
+
+from ..fem.load import Load
+from ..scene import Scene, SceneError
+from ..scene.effects import Effects
+from ..scene.scaling import Scaled
+from .expected_edges import NODES, SAMPLES, ExpectedEdges, Stop, half_plane_solver, several
+from .limits import NARROWEST
+
+FINER = 6.0  # facets on the ways of the edges of stick where these are not known exactly
+TURNED = 2.0  # where slip has turned, q changes by 2 mu p
+
+
+def exact_edges(loop: StretchedLoop, loads: list[Load]) -> ExpectedEdges:
+    """The stick zone of a schedule's every load step is moved aside, [X7]; loop: in the units of the loads."""
+    a, ends = loop.loop.a, loop.shift + loop.c * np.array([-1.0, 1.0])
+    x = a * np.linspace(-1.0, 1.0, SAMPLES + 2)[1:-1]
+    limit = loop.loop.mu * np.linalg.norm(loop.loop.contact.pressure(x))
+    stops: dict[float, float] = {}
+    for before, load in zip(loads, loads[1:]):
+        branch = "unloading" if load.Q < before.Q else "initial"
+        if abs(load.Q) == loop.loop.Q_A or (branch == "initial" and before.Q < 0):
+            continue  # an edge where the load turns; or the mirror image of an unloading
+        centre, c = loop.zone(load.Q, branch)
+        kink = 1.0 if branch == "initial" else TURNED
+        share = float(np.linalg.norm(loop.traction(x, load.Q, branch)) / limit / kink)
+        for end in (centre - c, centre + c):
+            place = round(abs(end) / a, 9)
+            if place < 1.0:
+                stops[place] = min(share, stops.get(place, share))
+    return ExpectedEdges(
+        several([*ends / a, 1.0]), stops=tuple(Stop(place * a, share) for place, share in stops.items()), exact=True
+    )
+
+
+def rough_edges(scene: Scene, scaled: Scaled, effects: Effects, loads: list[Load]) -> ExpectedEdges:
+    """Beyond the closed form, from a rough half-plane solution under the ``loads`` of a loop with few load steps.
+
+    SceneError where the whole contact slips.
+    """
+    Q_A, states = max(abs(load.Q) for load in loads), []
+    solver = half_plane_solver(scene, scaled, effects, NODES)
+    try:
+        for state in solver.increments(loads):
+            states.append(state)
+            if abs(state.Q) == Q_A:  # at once: what follows takes the longer the less sticks
+                _check_stick(scene, state)
+    except (RuntimeError, ValueError):  # no reason to stop: the mesh is only less well graded
+        return ExpectedEdges((1.0,))
+    turns = [state for state in states[::-1] if abs(state.Q) == Q_A]
+    shown = states[::-1] if scene.load.bulk_phase or scene.mesh.edges == "states" else turns
+    contact = np.abs([state.contact for state in states if state.Q])
+    edges = several([edge for state in shown for edge in (*state.contact, *state.stick)])
+    way = (float(contact.min()), float(contact.max())) if "coupling" in effects else None
+    stick_way = min(edges), float(contact.max())
+    return ExpectedEdges(edges, contact_way=way, stick_way=stick_way, fineness=FINER)
+
+
+def _check_stick(scene, state):
+    stick = np.ptp(state.stick_zones, axis=1).max(initial=0.0)
+    if stick < NARROWEST * min(scene.mesh.edge_facet, scene.mesh.facet):
+        key = "bulk_strain" if scene.load.bulk_stress is None else "bulk_stress"
+        raise SceneError(
+            f"load.{key} = {getattr(scene.load, key):g} is not allowed: it makes the whole contact slip, only "
+            f"{stick:.1g} a would stick at Q_A; less strain, or a smaller load.amplitude"
+        )

@@ -1,0 +1,112 @@
+"""Faults of folders and disks on three ranks: every rank is told, none waits, and the run goes on after it.
+
+One rank alone: tests/output/test_restart.py and test_folder.py.
+"""
+
+import json
+import os
+from pathlib import Path
+
+import pytest
+from mpi4py import MPI
+from running import coarse_arguments
+
+from simulations import fretting
+from simulations.fem.parallel import on_root
+from simulations.output import lock
+from simulations.output.files import OutputError
+from simulations.scene import SceneError
+
+comm = MPI.COMM_WORLD
+pytestmark = pytest.mark.skipif(comm.size < 3, reason="of three ranks")
+RUN = {"solid__nu": 0.3, "effects__coupling": "false", "load__cycles": 0, "reference__kind": '"none"'}
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """Of a run that all ranks do."""
+    return Path(comm.bcast(str(tmp_path))) / "run"
+
+
+def run(folder):
+    fretting.main([*coarse_arguments(folder, **RUN), "--quiet"])
+
+
+def goes_on(folder):
+    """All ranks end the run that was stopped."""
+    fretting.main(["--resume", str(folder), "--quiet"])
+    assert json.loads((folder / "summary.json").read_text())["converged"] is True
+
+
+def contents(folder):
+    return {path.relative_to(folder): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+def refused(words, *arguments):
+    """On every rank, and nothing in the folders changes."""
+    with pytest.raises(SceneError, match=words) as error:
+        fretting.main([*map(str, arguments), "--quiet"])
+    assert "\n" not in str(error.value)
+
+
+def stop(folder, monkeypatch, call=12):
+    """Let the disk be full from some write on."""
+    calls, fsync = [], os.fsync
+
+    def full(descriptor):
+        calls.append(descriptor)
+        if len(calls) >= call:
+            raise OSError(28, "No space left on device")
+        fsync(descriptor)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(os, "fsync", full)
+        with pytest.raises(OutputError, match="No space left on device; go on with .*--resume"):
+            run(folder)
+    comm.Barrier()
+
+
+@pytest.mark.parametrize("call", [3, 18], ids=["mesh", "picture"])
+def test_full_disk(call, folder, monkeypatch):
+    stop(folder, monkeypatch, call)
+    assert not list(folder.rglob("part.*"))
+    goes_on(folder)
+
+
+def test_a_folder_that_disappears(folder, monkeypatch):
+    moved = folder.with_name("moved")
+
+    def vanish(progress, entry):
+        if comm.rank == 0 and folder.exists():
+            folder.rename(moved)
+
+    with monkeypatch.context() as patch:
+        patch.setattr("simulations.command.progress.Progress.step", vanish)
+        with pytest.raises(OutputError, match="the folder is gone"):
+            run(folder)
+    on_root(comm, lambda: (moved / lock.NAME).unlink(missing_ok=True))
+    goes_on(moved)
+
+
+def test_a_folder_that_cannot_be_written(folder):
+    refused("/proc/run cannot be written", *coarse_arguments("/proc/run", **RUN))
+
+
+def test_a_folder_of_another_process(folder):
+    locks = []
+    on_root(comm, lambda: folder.mkdir() or locks.append(lock.Lock(folder)))
+    refused("is locked", *coarse_arguments(folder, **RUN))
+    on_root(comm, lambda: locks.pop().release())
+    run(folder)
+
+
+def test_a_checkpoint_of_another_version_or_cut_short(folder, monkeypatch):
+    stop(folder, monkeypatch)
+    with monkeypatch.context() as patch:
+        patch.setattr("simulations.output.checkpoint.__version__", "9.9.9")
+        refused("made it, and this is 9.9.9", "--resume", folder)
+    memory = folder / "checkpoint" / "memory.npz"
+    on_root(comm, lambda: memory.write_bytes(memory.read_bytes()[:-100]))
+    before = contents(folder)
+    refused("checkpoint cannot be read", "--resume", folder)
+    assert contents(folder) == before

@@ -1,0 +1,102 @@
+"""What --resume does not go on from, what a resumed run says of its past, and a new run in the folder of an old one."""
+
+import json
+import re
+
+import pytest
+from restarting import RUN, history
+from running import coarse_arguments
+
+from simulations import fretting
+from simulations.scene import SceneError
+
+
+@pytest.fixture
+def stopped(uninterrupted, tmp_path, monkeypatch):
+    """A run that ended after its second increment."""
+    folder = tmp_path / "run"
+
+    def stop(progress, entry):
+        if len(progress.simulation.history.entries) == 2:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr("simulations.command.progress.Progress.step", stop)
+    with pytest.raises(KeyboardInterrupt):
+        fretting.main(coarse_arguments(folder, **RUN))
+    monkeypatch.undo()
+    return folder
+
+
+def contents(folder):
+    return {path.relative_to(folder): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+def refusal(capfd, *arguments):
+    with pytest.raises(SceneError) as error:
+        fretting.main([str(word) for word in arguments])
+    assert "\n" not in str(error.value)
+    return str(error.value)
+
+
+def test_other_keys_are_refused(stopped, capfd):
+    for more in (["--set", "load.mu=0.2"], ["scenes/holl.toml"], ["--output", "elsewhere"], ["--explain"]):
+        assert "--resume takes no scene" in refusal(capfd, "--resume", stopped, *more)
+
+
+def test_a_scene_changed_since_is_refused(stopped, capfd):
+    scene = stopped / "scene.toml"
+    scene.write_text(scene.read_text().replace("mu = 0.3", "mu = 0.31"))
+    assert "changed afterwards" in refusal(capfd, "--resume", stopped)
+
+
+DAMAGE = {
+    "nonsense": ("memory.npz", lambda old: b"PK\3\4 nonsense", "not a zip file"),
+    "empty": ("memory.npz", lambda old: b"", "No data left"),
+    "cut short": ("memory.npz", lambda old: old[: len(old) // 2], "not a zip file"),
+    "zeroed tail": ("memory.npz", lambda old: old[:-200] + bytes(200), "not a zip file"),
+    "another byte": ("memory.npz", lambda old: old[:2000] + bytes([old[2000] ^ 1]) + old[2001:], ""),
+    "states cut short": ("states.bin", lambda old: old[:-1], "states.bin is too short"),
+    "states with a zeroed tail": ("states.bin", lambda old: old[:-400] + bytes(400), "not as it was written"),
+}
+
+
+@pytest.mark.parametrize("name, damaged, why", DAMAGE.values(), ids=DAMAGE)
+def test_damaged_checkpoint_is_refused(stopped, capfd, name, damaged, why):
+    path = stopped / "checkpoint" / name
+    path.write_bytes(damaged(path.read_bytes()))
+    before = contents(stopped)
+    said = refusal(capfd, "--resume", stopped)
+    assert "checkpoint cannot be read" in said and why in said and "--overwrite" in said
+    assert contents(stopped) == before
+
+
+def test_the_checkpoint_of_another_version_is_refused(stopped, capfd, monkeypatch):
+    monkeypatch.setattr("simulations.output.checkpoint.__version__", "9.9.9")
+    assert "graded-fretting 0.1.0 made it, and this is 9.9.9" in refusal(capfd, "--resume", stopped)
+
+
+def test_what_a_resumed_run_reports_of_earlier_increments(stopped, uninterrupted):
+    """Tolerances and changes of contact states are kept too: checks and history.csv are as if nothing had happened."""
+    fretting.main(["--resume", str(stopped), "--quiet"])
+    for one, other in zip(history(stopped), history(uninterrupted), strict=True):
+        assert one["states_changed"] == other["states_changed"]
+    checks = [json.loads((folder / "summary.json").read_text())["checks"] for folder in (stopped, uninterrupted)]
+    assert {name: c["limit"] for name, c in checks[0].items()} == {name: c["limit"] for name, c in checks[1].items()}
+
+
+def test_a_folder_without_a_run_is_refused(tmp_path, capfd):
+    assert "is not the folder of a run" in refusal(capfd, "--resume", tmp_path)
+    assert "is not the folder of a run" in refusal(capfd, "--resume", tmp_path / "absent")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_new_run_in_the_folder_of_an_old_one(stopped, uninterrupted, capfd):
+    """Refused, but where the old one is to be replaced: then nothing of it is left in the new one's files."""
+    again = coarse_arguments(stopped, **RUN, load__cycles=0)
+    before = contents(stopped)
+    assert re.search("holds a run that was stopped; go on with --resume .* --overwrite", refusal(capfd, *again))
+    assert contents(stopped) == before
+    fretting.main([*again, "--overwrite"])
+    assert len(history(stopped)) == 3
+    assert not (stopped / "checkpoint").exists()
+    assert len(list((stopped / "fields").iterdir())) == 3  # mesh, normal stage, A
