@@ -110,7 +110,11 @@ class EnteringPoints:
                 new[stopped] = positions
             change = self._change(new, old)
         if change <= settled:
-            return False
+            slide_on = np.isfinite(self._stuck) & (after.states != OPEN) & (after.states != CLOSED)
+            if not np.any(slide_on):
+                return False
+            self._stuck[slide_on] = np.nan  # the mesh has its edge of stick a little further inside
+            new = self._touching(after)
         self._put(new)
         return True
 

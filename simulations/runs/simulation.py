@@ -168,7 +168,8 @@ class Simulation(Meshed):
         """Where points stick in a contact that grows under friction, similar to itself; None where it does not."""
         on, solid, profile = self.effects, self.scaled.solid, self.scaled.indenter.analytic()
         grows_alike = "friction in normal stage" in on and "coupling" in on and self.scene.is_power_law
-        if not grows_alike or not isinstance(profile, PowerProfile) or on.without_reference:
+        # for k < 0 the mesh's own edge of stick lies further inside than the exact one, and points between would zigzag
+        if not grows_alike or solid.k < 0 or not isinstance(profile, PowerProfile) or on.without_reference:
             return None
         pressing = PressingWithFriction(solid, profile, self.mu, 1.0, STUCK_TERMS)
         return lambda x, P: replace(pressing, P=P).stick_displacement(x)
