@@ -9,6 +9,8 @@ from .stick import layout
 PROBE = 1e-4  # difference of a variable for the Jacobian
 LONGEST = 0.3  # change of a variable in one step
 ITERATIONS = 30
+SHORTER = 0.1  # change of the widths of slip in a guess that leaves no stick
+LEAST = 1e-4  # share of the contact that has to stick
 SETTLED = 1e-10  # largest amplitude (see ``linear.Solution``) at which the edges rest,
 BORNE = 1e-7  # and that borne where it falls no further: rounding, where slip has hardly begun
 
@@ -41,6 +43,7 @@ class EdgeSolver:
     def state(self, Q, y):
         """State at Q and its variables, from the guess y. Raises ContactNotConverged."""
         load = abs(Q - self.base.Q)
+        y = self._valid(y, [0, -SHORTER, -SHORTER, 0], load)
         panels = self._layout(self._edges(y, load))
 
         def solution(y):
@@ -58,6 +61,7 @@ class EdgeSolver:
                 self.jacobian = np.stack(columns, axis=1)
             step = -np.linalg.solve(self.jacobian, now.amplitudes)
             step *= min(1.0, LONGEST / np.abs(step).max())
+            step = self._valid(y + step, -step / 8, load) - y
             new = solution(y + step)
             self.jacobian += np.outer(new.amplitudes - now.amplitudes - self.jacobian @ step, step) / (step @ step)
             y, now = y + step, new
@@ -68,7 +72,13 @@ class EdgeSolver:
         return layout(c_l, c_r, [*edges, *self.base.contact, *self.base.breaks])
 
     def _edges(self, y, load):
-        edges = edges_of(y, load, self.base.contact)
-        if not (np.diff(edges) > 0).all():
-            raise ContactNotConverged("no stick is left between the zones of slip")
-        return edges
+        return edges_of(y, load, self.base.contact)
+
+    def _valid(self, y, back, load):
+        """Variables, so many times ``back`` from y, with which some stick is left between the zones of slip."""
+        for times in range(8):
+            taken = y + times * np.asarray(back)
+            x_l, c_l, c_r, x_r = self._edges(taken, load)
+            if c_r - c_l > LEAST * (x_r - x_l):
+                return taken
+        raise ContactNotConverged("no stick is left between the zones of slip")

@@ -41,8 +41,9 @@ def solve(problem, base, friction, edges, layout, Q) -> Solution:
     of_even = -(problem.gk + chi * beta * problem.tau)
     of_odd = chi * alpha - f * d * problem.gk / problem.bk
     panels, from_left, from_right = contact.nodes((c_l, c_r))
-    w = from_left**contact.left * from_right**contact.right
     over = from_left * from_right
+    w = at_w = from_left**contact.left * from_right**contact.right
+    at_even, at_root = over ** (k / 2), np.sqrt(over)
     local = from_left - 1
     D, _, b = contact.profile()
     odd_s = panels.matrices(x, k)[1]
@@ -51,19 +52,17 @@ def solve(problem, base, friction, edges, layout, Q) -> Solution:
         """Of r at nodes: u_x in stick without what is constant, ∫ p, ∫ r, ∫ r/w over half."""
         weight = contact.weight(nodes)
         t, left, right = contact.local(nodes)
-        cauchy = weights / (np.pi * (panels.nodes[:, None] - nodes))
-        parts = []
-        for exponents in ((contact.left, contact.right), (k / 2, k / 2), (0.5, 0.5)):
-            at_nodes = left ** exponents[0] * right ** exponents[1]
-            at_panels = from_left ** exponents[0] * from_right ** exponents[1]
-            parts.append(at_panels[:, None] * contracted(cauchy / at_nodes))
-        smooth = parts[0] - parts[1]
-        root = contracted((weights * t / np.sqrt(left * right))[None])[0]
-        of_p = alpha * contracted(weights[None])[0] + beta * (panels.weights @ (parts[0] - parts[2]) - root)
-        return chi * beta * (odd_s @ smooth), of_p, contracted(weights[None])[0], contracted((weights / weight)[None])[0]
+        cauchy = weights / np.pi / (panels.nodes[:, None] - nodes)
+        smooth = at_w[:, None] * contracted(cauchy, weight) - at_even[:, None] * contracted(cauchy, (left * right) ** (k / 2))
+        root = np.sqrt(left * right)
+        load = contracted((panels.weights * at_w @ cauchy)[None], weight)
+        load -= contracted((panels.weights * at_root @ cauchy)[None], root) + contracted((weights * t)[None], root)
+        whole = contracted(weights[None], 1.0)[0]
+        over_w = contracted(weights[None], weight)[0]
+        return chi * beta * (odd_s @ smooth), alpha * whole + beta * load[0], whole, over_w
 
     coarse = stick.rule(COARSE)
-    smooth, of_p, of_r, over_w = of_limit(coarse.nodes, coarse.weights, lambda m: stick.contracted(m, COARSE))
+    smooth, of_p, of_r, over_w = of_limit(coarse.nodes, coarse.weights, lambda m, w: stick.contracted(m / w, COARSE))
     even, odd = stick.rule().matrices(x, k)
     A, right = np.zeros((n + 3, n + 3)), np.zeros(n + 3)
     A[:n, :n] = of_even * stick.contracted(even) + of_odd * stick.contracted(odd) + smooth
@@ -74,13 +73,15 @@ def solve(problem, base, friction, edges, layout, Q) -> Solution:
     A[n + 1, :n] = of_r
     A[n + 2, :n], A[n + 2, n + 1] = -beta / np.pi / contact.half * over_w, 1
     profile = w * D(local)
-    right[:n] = base.displacements(problem, x)[0] + base.delta_x - chi * (odd_s @ profile)
+    right[:n] = base.moved(problem, x) - chi * (odd_s @ profile)
     right[:n] += f * problem.gk / problem.bk * problem.height(x)
     right[n : n + 3] = 1 - panels.weights @ profile, f - Q, b
-    known = base.limit_between(f, *stick.inner[[0, -1]]) if stick.panels else None
+    known = None
+    if stick.panels and np.any((base.breaks > stick.inner[0]) & (base.breaks < stick.inner[-1])):
+        known = base.limit_between(f, *stick.inner[[0, -1]])
     if known:
         source, r = known
-        smooth, of_p, of_r, over_w = of_limit(source.nodes, source.weights, lambda m: m @ r[:, None])
+        smooth, of_p, of_r, over_w = of_limit(source.nodes, source.weights, lambda m, w: m @ (r / w)[:, None])
         even, odd = source.matrices(x, k)
         right[:n] -= of_even * (even @ r) + of_odd * (odd @ r) + smooth[:, 0]
         right[n : n + 3] -= of_p[0], of_r[0], -beta / np.pi / contact.half * over_w[0]
@@ -90,4 +91,4 @@ def solve(problem, base, friction, edges, layout, Q) -> Solution:
     widths = np.array([c_l - x_l, c_l - x_l, x_r - c_r, x_r - c_r])
     scale = contact.half / D(0.0) / 2
     amplitudes = np.array([at_left * scale, *at_stick, at_right * scale]) / widths
-    return Solution(SlipState(problem, base, f, Q, contact, stick, u[:n], (alpha, beta), D), amplitudes)
+    return Solution(SlipState(problem, base, f, Q, contact, stick, u[:n], (alpha, beta), D, known is not None), amplitudes)

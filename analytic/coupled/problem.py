@@ -11,6 +11,7 @@ from ..half_plane.surface_kernel import PowerLawKernel
 from ..normal import ProfileContact
 from .exponents import edge_exponent
 from .panels import GAUSS, Panels, even_kernel, graded
+from .tractions import Interpolated
 
 DEGREE = 64  # of the expansion of profiles that are no polynomials
 LEVELS, RATIO = 15, 0.4  # of the panels on which the pressure of the normal stage is integrated or interpolated
@@ -142,6 +143,15 @@ class NormalStage:
         even, odd = panels.matrices(x, problem.k)
         u_x, u_y = problem.displacements(even @ p, odd @ p, 0.0, 0.0)
         return np.stack([u_x, u_y - self.delta_y])
+
+    @cached_property
+    def _moved(self):
+        panels = self._sources[0]
+        return Interpolated(panels, (panels.matrices(panels.nodes, self.solid.k)[1] @ self._sources[1])[None])
+
+    def moved(self, problem, x):
+        """u_x at x in the contact, interpolated."""
+        return problem.d * self._moved(x)[0]
 
     def unit_of_length_shift(self):
         """R(a/y0): the kernels of ``PowerLawKernel`` have y0 for the length that is a here."""

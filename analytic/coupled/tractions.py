@@ -10,43 +10,51 @@ LEVELS, RATIO = 14, 0.3  # times that the panels of a table shrink towards its b
 CLOSE = 1e-9  # breaks closer than that are one
 
 
-class Table:
-    """p/w without what r adds to it, and r = friction p - q, on panels that shrink towards the breaks of a state."""
+class Interpolated:
+    """Functions with the values (fields, nodes) at the nodes of panels."""
 
-    def __init__(self, state):
-        c_l, c_r = state.stick
-        pieces = [graded(a, b, LEVELS * (a != state.contact[0]), LEVELS * (b != state.contact[1]), RATIO)
-                  for a, b in zip([state.contact[0], *state.breaks], [*state.breaks, state.contact[1]], strict=True)]
-        self.points = np.unique(np.concatenate(pieces))
-        self.panels = Panels.between(self.points)
-        x = self.panels.nodes
-        inside = (self.panels.middle > c_l) & (self.panels.middle < c_r)
-        stuck = Panels(self.panels.low[inside], self.panels.high[inside])
-        r = np.zeros(len(x))
-        r[np.repeat(inside, NODES)] = state.limit(stuck.nodes)
-        H = stuck.cauchy(x) @ (r[np.repeat(inside, NODES)] / state.area.weight(stuck.nodes))
-        smooth = state.factors[1] * H + state.profile(state.area.local(x)[0])
-        values = np.stack([smooth, r]).reshape(2, -1, NODES)
-        self.coefficients = np.ascontiguousarray((values @ TO_LEGENDRE.T).transpose(1, 2, 0))
+    def __init__(self, panels, values):
+        self.panels = panels
+        values = values.reshape(len(values), -1, NODES) @ TO_LEGENDRE.T
+        self._coefficients = np.ascontiguousarray(values.transpose(1, 2, 0))
 
     def __call__(self, x):
-        """Both at x in the contact, shape (2, n)."""
+        """All of them at x, shape (fields, n)."""
         panels = self.panels
         j = np.clip(np.searchsorted(panels.low, x, side="right") - 1, 0, len(panels.low) - 1)
         P = legendre((x - panels.middle[j]) / panels.half[j], NODES)
-        return np.einsum("ln,nlf->fn", P, self.coefficients[j])
+        return np.einsum("ln,nlf->fn", P, self._coefficients[j])
+
+
+def tabulated(state):
+    """p/w without what r adds to it, and r = friction p - q, on panels that shrink towards the breaks of a state."""
+    c_l, c_r = state.stick
+    points = [state.contact[0], *state.breaks, state.contact[1]]
+    last = len(points) - 2
+    pieces = [
+        graded(a, b, LEVELS * (i > 0), LEVELS * (i < last), RATIO)
+        for i, (a, b) in enumerate(zip(points, points[1:], strict=False))
+    ]
+    panels = Panels.between(np.unique(np.concatenate(pieces)))
+    x, r = panels.nodes, np.zeros(len(panels.nodes))
+    inside = (panels.middle > c_l) & (panels.middle < c_r)
+    stuck, at_nodes = Panels(panels.low[inside], panels.high[inside]), np.repeat(inside, NODES)
+    r[at_nodes] = state.limit(stuck.nodes)
+    H = stuck.cauchy(x) @ (r[at_nodes] / state.area.weight(stuck.nodes))
+    return Interpolated(panels, np.stack([state.factors[1] * H + state.profile(state.area.local(x)[0]), r]))
 
 
 class SlipState:
     """Equilibrium at the load Q since the turn ``base``: slip with q = friction p, and stick between c_l and c_r.
 
-    coefficients: of r = friction p - q in the basis of the zone of stick; factors, profile: see ``linear.solve``.
+    coefficients: of r = friction p - q in the basis of the zone of stick; factors, profile: see ``linear.solve``;
+    differs: the coefficients of polynomials are those of the difference to the base.
     """
 
-    def __init__(self, problem, base, friction, Q, area, zone, coefficients, factors, profile):
+    def __init__(self, problem, base, friction, Q, area, zone, coefficients, factors, profile, differs):
         self.problem, self.base, self.friction, self.Q = problem, base, friction, Q
         self.area, self.zone, self.coefficients = area, zone, coefficients
-        self.factors, self.profile = factors, profile
+        self.factors, self.profile, self._differs = factors, profile, differs
         self.contact = area.x_l, area.x_r
         c_l, c_r = self.stick = zone.breaks[0], zone.breaks[-1]
         tolerance = CLOSE * (c_r - c_l)
@@ -55,7 +63,7 @@ class SlipState:
     def limit(self, x):
         """r at x in the zone of stick."""
         result = self.zone.values(x, self.coefficients)
-        if self.zone.panels:
+        if self._differs:
             within = (x >= self.zone.inner[0]) & (x < self.zone.inner[-1])
             p, q = self.base.tractions(x[within])
             result[within] += self.friction * p - q
@@ -63,8 +71,8 @@ class SlipState:
 
     @cached_property
     def table(self):
-        """See ``Table``."""
-        return Table(self)
+        """See ``tabulated``."""
+        return tabulated(self)
 
     def tractions(self, x):
         """p and q at x in the contact, shape (2, n)."""
@@ -74,7 +82,7 @@ class SlipState:
 
     def limit_between(self, friction, low, high):
         """Panels between two points, and friction p - q at their nodes."""
-        points = self.table.points
+        points = self.table.panels.low
         panels = Panels.between(np.array([low, *points[(points > low) & (points < high)], high]))
         p, q = self.tractions(panels.nodes)
         return panels, friction * p - q
@@ -83,7 +91,7 @@ class SlipState:
     def _sources(self):
         """Panels over the contact that shrink towards its edges too, with p and q at their nodes."""
         edges, from_left, from_right = self.area.nodes(self.stick)
-        points = np.concatenate([edges.low, edges.high[-1:], self.table.points])
+        points = np.concatenate([edges.low, edges.high[-1:], self.table.panels.low])
         panels = Panels.between(np.unique(points))
         return panels, *self.tractions(panels.nodes)
 
@@ -98,6 +106,17 @@ class SlipState:
         x = np.array([(self.stick[0] + self.stick[1]) / 2])
         u_x, u_y = self._integrals(x)[:, 0]
         return u_x - self.base.displacements(self.problem, x)[0, 0], u_y + self.problem.height(x)[0]
+
+    @cached_property
+    def _moved(self):
+        points = np.array([self.contact[0], *self.breaks, self.contact[1]])
+        pieces = [graded(a, b, LEVELS, LEVELS, RATIO) for a, b in zip(points, points[1:], strict=False)]
+        panels = Panels.between(np.unique(np.concatenate(pieces)))
+        return Interpolated(panels, self._integrals(panels.nodes)[:1])
+
+    def moved(self, problem, x):
+        """u_x at x in the contact, interpolated."""
+        return self._moved(x)[0]
 
     delta_x = property(lambda self: self._rigid[0])
     delta_y = property(lambda self: self._rigid[1])
