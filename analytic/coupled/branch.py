@@ -11,7 +11,7 @@ from ..half_plane.linear import ContactNotConverged
 from .edges import EdgeSolver, edges_of, variables_of
 from .problem import NormalStage
 
-LOADS = 9  # at which a part of a branch is solved to begin with; the states at other loads start from these
+FEWER = 3  # loads than the order of the basis, at which a part of a branch is solved to begin with
 FIRST = 0.02  # the least of them over the span of the branch,
 FIRST_BORNE = 0.2  # and the least that must have a solution
 POWER = 1.5  # of the variable in which the loads are spread, see ``Branch._spread``
@@ -52,7 +52,8 @@ class Branch:
         """Loads between low and high, Chebyshev points in a power of ``_progress``, both ends included or nearly so."""
         first = FIRST * high if low == 0 else low
         first, last = (self._progress(load) ** (1 / POWER) for load in (first, high))
-        v = first + (last - first) * (1 - np.cos(np.pi * np.arange(LOADS) / (LOADS - 1))) / 2
+        count = max(self.problem.order - FEWER, 4)
+        v = first + (last - first) * (1 - np.cos(np.pi * np.arange(count) / (count - 1))) / 2
         loads = -self._limit * np.expm1(np.log1p(-(v**POWER)) * (2 + self.problem.k))
         loads[-1] = high
         return loads
