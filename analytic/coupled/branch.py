@@ -13,7 +13,7 @@ from .problem import NormalStage
 
 FEWER = 3  # loads than the order of the basis, at which a part of a branch is solved to begin with
 FIRST = 0.02  # the least of them over the span of the branch,
-FIRST_BORNE = 0.2  # and the least that must have a solution
+FIRST_BORNE = 0.3  # and the least that must have a solution
 POWER = 1.5  # of the variable in which the loads are spread, see ``Branch._spread``
 MIDDLE = 0.3  # span at which the first of them is sought
 CONDITIONS = 1e-5  # violation of the conditions of friction that is borne, in units of the problem
@@ -90,7 +90,8 @@ class Branch:
         if not len(self.loads):
             return self._guess(load)
         i = int(np.searchsorted(self.loads, load))
-        near = np.arange(max(i - 2, 0), min(i + 2, len(self.loads)))
+        reach = 3 if 0 < i < len(self.loads) else 2
+        near = np.arange(max(i - reach, 0), min(i + reach, len(self.loads)))
         t, at = np.log(self.loads[near]), np.log(load)
         weights = [np.prod((at - np.delete(t, i)) / (t[i] - np.delete(t, i))) for i in range(len(t))]
         return weights @ np.array([self._known[i][2] for i in near])

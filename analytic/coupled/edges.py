@@ -9,9 +9,10 @@ from .stick import layout
 PROBE = 1e-4  # difference of a variable for the Jacobian
 LONGEST = 0.3  # change of a variable in one step
 ITERATIONS = 30
+GROWTH = 1.5  # of the amplitudes that is borne in a step
 SHORTER = 0.1  # change of the widths of slip in a guess that leaves no stick
 LEAST = 1e-4  # share of the contact that has to stick
-SETTLED = 1e-10  # largest amplitude (see ``linear.Solution``) at which the edges rest,
+SETTLED = 3e-9  # largest amplitude (see ``linear.Solution``) at which the edges rest,
 BORNE = 1e-7  # and that borne where it falls no further: rounding, where slip has hardly begun
 
 
@@ -43,28 +44,34 @@ class EdgeSolver:
     def state(self, Q, y):
         """State at Q and its variables, from the guess y. Raises ContactNotConverged."""
         load = abs(Q - self.base.Q)
-        y = self._valid(y, [0, -SHORTER, -SHORTER, 0], load)
+        x_l, c_l, c_r, x_r = self._edges(y, load)
+        way = SHORTER if c_l > self.base.contact[0] and c_r < self.base.contact[1] else -SHORTER
+        y = self._valid(y, [0, -way, -way, 0], load)
         panels = self._layout(self._edges(y, load))
 
         def solution(y):
             self.solves += 1
             return solve(self.problem, self.base, self.friction, self._edges(y, load), panels, Q)
 
-        now, size, fresh = solution(y), np.inf, False
+        now, before, fresh, longest = solution(y), np.inf, False, LONGEST
         for _ in range(ITERATIONS):
-            before, size = size, np.abs(now.amplitudes).max()
+            size = np.abs(now.amplitudes).max()
             if size < SETTLED or (fresh and size > before / 2 and size < BORNE):
                 return now.state, y
-            fresh = self.jacobian is None or size > before / 2
-            if fresh:
+            if self.jacobian is None or size > before / 2:
                 columns = [(solution(y + PROBE * e).amplitudes - now.amplitudes) / PROBE for e in np.eye(4)]
-                self.jacobian = np.stack(columns, axis=1)
+                self.jacobian, fresh = np.stack(columns, axis=1), True
+            else:
+                fresh = False
             step = -np.linalg.solve(self.jacobian, now.amplitudes)
-            step *= min(1.0, LONGEST / np.abs(step).max())
+            step *= min(1.0, longest / np.abs(step).max())
             step = self._valid(y + step, -step / 8, load) - y
             new = solution(y + step)
+            if not np.abs(new.amplitudes).max() < GROWTH * size:  # too long a step
+                longest, before = np.abs(step).max() / 4, 0.0 if not fresh else np.inf
+                continue
             self.jacobian += np.outer(new.amplitudes - now.amplitudes - self.jacobian @ step, step) / (step @ step)
-            y, now = y + step, new
+            y, now, before = y + step, new, size
         raise ContactNotConverged(f"tractions without bound remain at the edges, their amplitudes are {size:.1e}")
 
     def _layout(self, edges):
@@ -75,10 +82,12 @@ class EdgeSolver:
         return edges_of(y, load, self.base.contact)
 
     def _valid(self, y, back, load):
-        """Variables, so many times ``back`` from y, with which some stick is left between the zones of slip."""
+        """Variables, so many times ``back`` from y, with which some stick is left, within the contact at the turn."""
         for times in range(8):
             taken = y + times * np.asarray(back)
             x_l, c_l, c_r, x_r = self._edges(taken, load)
-            if c_r - c_l > LEAST * (x_r - x_l):
+            outside = c_l <= self.base.contact[0] or c_r >= self.base.contact[1]
+            if c_r - c_l > LEAST * (x_r - x_l) and not outside:
                 return taken
-        raise ContactNotConverged("no stick is left between the zones of slip")
+        reason = "points come into contact in stick" if outside else "no stick is left between the zones of slip"
+        raise ContactNotConverged(reason)

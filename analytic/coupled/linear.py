@@ -6,10 +6,8 @@ import numpy as np
 
 from .exponents import hilbert_factors
 from .tractions import SlipState
-from .stick import StickBasis
+from .stick import COARSE, StickBasis
 from .weight import Contact
-
-COARSE = 1  # parts of the panels at the ends for kernels that are smooth there
 
 
 @dataclass(frozen=True)
@@ -34,7 +32,7 @@ def solve(problem, base, friction, edges, layout, Q) -> Solution:
     k, d, f = problem.k, problem.d, friction
     x_l, c_l, c_r, x_r = edges
     contact = Contact(problem, f, x_l, x_r)
-    stick = StickBasis(c_l, c_r, layout, problem.exponents(f)[2:], problem.order)
+    stick = StickBasis(c_l, c_r, layout, problem.exponents(f)[2:], problem.order, k)
     x, n = stick.points, stick.size
     alpha, beta = hilbert_factors(k, problem.bk, d, f)
     chi = d * (1 + f**2 * problem.gk / problem.bk)
@@ -63,9 +61,9 @@ def solve(problem, base, friction, edges, layout, Q) -> Solution:
 
     coarse = stick.rule(COARSE)
     smooth, of_p, of_r, over_w = of_limit(coarse.nodes, coarse.weights, lambda m, w: stick.contracted(m / w, COARSE))
-    even, odd = stick.rule().matrices(x, k)
+    even, odd = stick.matrices(k)
     A, right = np.zeros((n + 3, n + 3)), np.zeros(n + 3)
-    A[:n, :n] = of_even * stick.contracted(even) + of_odd * stick.contracted(odd) + smooth
+    A[:n, :n] = of_even * even + of_odd * odd + smooth
     A[:n, n] = chi * (odd_s @ (w / over))
     A[:n, n + 1] = chi * (odd_s @ (w / over * local))
     A[:n, n + 2] = -1

@@ -10,8 +10,9 @@ from .panels import GAUSS, GAUSS_WEIGHT, NODES, TO_LEGENDRE, Panels, legendre
 END = 0.6  # length of the panel at an end over the distance to the nearest other singular point
 GROWTH = 2.0  # of the panels from there on
 FEATURE = 1e-6  # distance of an end from another singular point, over the width of the zone, taken for zero
-RATIO, PARTS = 0.3, 11  # of the parts of the panel at an end over which the kernels are integrated
-CLUSTER = 2.0  # power that gathers the collocation points at an end
+RATIO, PARTS = 0.3, 11  # of the parts of the panel at an end over which the kernels are integrated,
+OUTSIDE, COARSE = 2, 1  # their number for points outside of it, and for kernels that are smooth there
+CLUSTER = 1.5  # power that gathers the collocation points at an end is 1 + CLUSTER k, for k < 0 it is 1: noise counts there
 
 
 def power_weights(exponent):
@@ -42,6 +43,20 @@ def end_values(v, exponent, size):
     return (legendre(2 * v - 1, size) * v**exponent).T
 
 
+def end_points(size, k):
+    """Collocation points on the panel at an end."""
+    return ((1 + leggauss(size)[0]) / 2) ** (1 + CLUSTER * max(k, 0.0))
+
+
+@lru_cache(maxsize=64)
+def own_matrices(exponent, size, k):
+    """∫_0^1 R, ∫_0^1 O and ∫_0^1 over v^exponent P_j(2v - 1), j < size, the first two at ``end_points``."""
+    points, values = end_rule(exponent, size, PARTS)
+    panels = Panels.between(points)
+    even, odd = panels.matrices(end_points(size, k), k)
+    return even @ values, odd @ values, panels.weights @ values
+
+
 def layout(c_l, c_r, features):
     """Distances from both ends of the points between panels, over the width of the zone; the last are 1/2."""
     width = c_r - c_l
@@ -68,7 +83,7 @@ class StickBasis:
     points: of collocation, as many as functions, ``size``; inner: where panels of polynomials begin and end.
     """
 
-    def __init__(self, c_l, c_r, layout, exponents, order):
+    def __init__(self, c_l, c_r, layout, exponents, order, k):
         width = c_r - c_l
         left, right = layout
         self.breaks = np.concatenate([c_l + width * left, (c_r - width * right)[-2::-1]])
@@ -78,19 +93,31 @@ class StickBasis:
         self.panels = len(self.inner) - 1
         self.end_size = order + 1
         self.size = 2 * self.end_size + self.panels * order
-        v = ((1 + leggauss(self.end_size)[0]) / 2) ** CLUSTER
+        v = end_points(self.end_size, k)
         low, high = self.inner[:-1, None], self.inner[1:, None]
         middle = (low + high + (high - low) * leggauss(order)[0]) / 2
         ends = c_l + self.lengths[0] * v, (c_r - self.lengths[1] * v)[::-1]
         self.points = np.concatenate([ends[0], middle.ravel(), ends[1]])
 
-    def rule(self, parts=PARTS):
+    def matrices(self, k):
+        """∫ R and ∫ O over the basis at ``points``, two matrices (size, size)."""
+        even, odd = (self.contracted(m, OUTSIDE) for m in self.rule(OUTSIDE).matrices(self.points, k))
+        n = self.end_size
+        for here, length, exponent, way in zip((slice(n), slice(-n, None)), self.lengths, self.exponents, (1, -1)):
+            own_even, own_odd, moments = own_matrices(exponent, n, k)
+            at_length = np.expm1(-k * np.log(length)) / k if k else -np.log(length)  # R(c z) = c^-k R(z) + R(c)
+            power = 1 + k * at_length
+            even[here, here] = length * (power * own_even + at_length * moments)[::way]
+            odd[here, here] = way * length * power * own_odd[::way]
+        return even, odd
+
+    def rule(self, parts):
         """Panels over the zone, the ends in so many ``parts``; see ``contracted``."""
         (left, _), (right, _) = (end_rule(e, self.end_size, parts) for e in self.exponents)
         points = [self.breaks[0] + self.lengths[0] * left, self.inner, self.breaks[-1] - self.lengths[1] * right[::-1]]
         return Panels.between(np.concatenate([points[0][:-1], points[1], points[2][1:]]))
 
-    def contracted(self, matrix, parts=PARTS):
+    def contracted(self, matrix, parts):
         """A matrix (rows, nodes) that acts on values at the nodes of ``rule`` acts on coefficients, (rows, size)."""
         (_, left), (_, right) = (end_rule(e, self.end_size, parts) for e in self.exponents)
         at_left, at_right = parts * NODES, matrix.shape[1] - parts * NODES

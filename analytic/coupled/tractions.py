@@ -6,8 +6,8 @@ import numpy as np
 
 from .panels import NODES, TO_LEGENDRE, Panels, graded, legendre
 
-LEVELS, RATIO = 14, 0.3  # times that the panels of a table shrink towards its breaks, and how much
-CLOSE = 1e-9  # breaks closer than that are one
+RATIO, SMALLEST = 0.3, 3e-8  # of panels that shrink towards the breaks of a state, and the smallest of them
+CLOSE = 1e-7  # breaks closer than that are one
 
 
 class Interpolated:
@@ -26,16 +26,20 @@ class Interpolated:
         return np.einsum("ln,nlf->fn", P, self._coefficients[j])
 
 
+def shrinking(points, at_ends=True):
+    """Panels between points, which shrink towards each of them, or all but the first and the last."""
+    pieces, last = [], len(points) - 2
+    for i, (a, b) in enumerate(zip(points, points[1:], strict=False)):
+        levels = max(int(np.ceil(np.log(2 * SMALLEST / (b - a)) / np.log(RATIO))), 0)
+        pieces.append(graded(a, b, levels * (at_ends or i > 0), levels * (at_ends or i < last), RATIO))
+    return Panels.between(np.unique(np.concatenate(pieces)))
+
+
 def tabulated(state):
     """p/w without what r adds to it, and r = friction p - q, on panels that shrink towards the breaks of a state."""
     c_l, c_r = state.stick
     points = [state.contact[0], *state.breaks, state.contact[1]]
-    last = len(points) - 2
-    pieces = [
-        graded(a, b, LEVELS * (i > 0), LEVELS * (i < last), RATIO)
-        for i, (a, b) in enumerate(zip(points, points[1:], strict=False))
-    ]
-    panels = Panels.between(np.unique(np.concatenate(pieces)))
+    panels = shrinking(points, at_ends=False)
     x, r = panels.nodes, np.zeros(len(panels.nodes))
     inside = (panels.middle > c_l) & (panels.middle < c_r)
     stuck, at_nodes = Panels(panels.low[inside], panels.high[inside]), np.repeat(inside, NODES)
@@ -110,8 +114,7 @@ class SlipState:
     @cached_property
     def _moved(self):
         points = np.array([self.contact[0], *self.breaks, self.contact[1]])
-        pieces = [graded(a, b, LEVELS, LEVELS, RATIO) for a, b in zip(points, points[1:], strict=False)]
-        panels = Panels.between(np.unique(np.concatenate(pieces)))
+        panels = shrinking(points)
         return Interpolated(panels, self._integrals(panels.nodes)[:1])
 
     def moved(self, problem, x):
