@@ -11,7 +11,7 @@ from ..half_plane.linear import ContactNotConverged
 from .edges import EdgeSolver, edges_of, variables_of
 from .problem import NormalStage
 
-FEWER = 3  # loads than the order of the basis, at which a part of a branch is solved to begin with
+FEWER = 2  # loads than the order of the basis, at which a part of a branch is solved to begin with
 FIRST = 0.02  # the least of them over the span of the branch,
 FIRST_BORNE = 0.3  # and the least that must have a solution
 POWER = 1.5  # of the variable in which the loads are spread, see ``Branch._spread``

@@ -10,7 +10,7 @@ from .branch import Branch, turned_guess, uncoupled_guess
 from .problem import NormalStage
 from .state import CoupledState, Units
 
-ORDER = 12  # of the basis, which also says at how many loads a branch is solved for its energy
+ORDER = 10  # of the basis, which also says at how many loads a branch is solved for its energy
 
 
 @dataclass(frozen=True)

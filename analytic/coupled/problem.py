@@ -1,19 +1,19 @@
 """The coupled contact problem without units, and its state after the normal stage."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from ..cylinder import CylinderContact
+from ..half_plane.linear import ContactNotConverged
 from ..half_plane.surface_kernel import PowerLawKernel
 from ..normal import ProfileContact
 from .exponents import edge_exponent
 from .panels import GAUSS, Panels, even_kernel, graded
 from .tractions import Interpolated
 
-DEGREE = 64  # of the expansion of profiles that are no polynomials
 LEVELS, RATIO = 15, 0.4  # of the panels on which the pressure of the normal stage is integrated or interpolated
 
 
@@ -21,7 +21,8 @@ LEVELS, RATIO = 15, 0.4  # of the panels on which the pressure of the normal sta
 class Problem:
     """Data without units: lengths over a, tractions over P/a, loads over P, displacements over P y0^k/(E0 a^k).
 
-    bk, gk, d: factors of the kernels; mu: friction coefficient; height: profile at x; order: of the basis.
+    bk, gk, d: factors of the kernels; mu: friction coefficient; height, slope: profile at x and its derivative,
+    a polynomial of this degree; order: of the basis.
     """
 
     k: float
@@ -33,10 +34,6 @@ class Problem:
     slope: Callable
     degree: int
     order: int
-
-    def with_order(self, order):
-        """The same problem with another basis."""
-        return replace(self, order=order)
 
     def displacements(self, even_p, odd_p, even_q, odd_q):
         """u_x and u_y from the integrals of R and O over p and q, [X6]."""
@@ -77,15 +74,20 @@ class NormalStage:
         solid, a = self.solid, self.a
         unit = self.P * (solid.y0 / a) ** solid.k / solid.E0
         d = PowerLawKernel(solid).d if coupling else 0.0
-        degree = profile.m if self.smooth else DEGREE
-
-        def slope(x):
-            u = np.abs(x) * a - getattr(profile, "flat", 0.0)
-            rise = profile.A * profile.m * np.maximum(u, 0) ** (profile.m - 1) if hasattr(profile, "m") else profile.slope(np.maximum(u, 0))
-            return np.sign(x) * np.where(u > 0, rise, 0.0) * a / unit
+        if not self.smooth:
+            raise ContactNotConverged("the profile is no polynomial: its power has to be even")
+        slope = profile.A * profile.m * a**profile.m / unit
 
         return Problem(
-            solid.k, solid.bk, solid.gk, d, mu, lambda x: profile.height(a * x) / unit, slope, int(degree), order
+            k=solid.k,
+            bk=solid.bk,
+            gk=solid.gk,
+            d=d,
+            mu=mu,
+            height=lambda x: profile.height(a * x) / unit,
+            slope=lambda x: slope * x ** (profile.m - 1),
+            degree=round(profile.m),
+            order=order,
         )
 
     @cached_property

@@ -6,7 +6,8 @@ import numpy as np
 
 from .panels import NODES, TO_LEGENDRE, Panels, graded, legendre
 
-RATIO, SMALLEST = 0.3, 3e-8  # of panels that shrink towards the breaks of a state, and the smallest of them
+RATIO = 0.3  # of panels that shrink towards the breaks of a state
+SMALLEST, SMALLEST_STEEP = 3e-6, 3e-8  # the smallest of them, and for k < 0, where tractions end more steeply
 CLOSE = 1e-7  # breaks closer than that are one
 
 
@@ -26,11 +27,11 @@ class Interpolated:
         return np.einsum("ln,nlf->fn", P, self._coefficients[j])
 
 
-def shrinking(points, at_ends=True):
+def shrinking(points, k, at_ends=True):
     """Panels between points, which shrink towards each of them, or all but the first and the last."""
-    pieces, last = [], len(points) - 2
+    pieces, last, smallest = [], len(points) - 2, SMALLEST if k >= 0 else SMALLEST_STEEP
     for i, (a, b) in enumerate(zip(points, points[1:], strict=False)):
-        levels = max(int(np.ceil(np.log(2 * SMALLEST / (b - a)) / np.log(RATIO))), 0)
+        levels = max(int(np.ceil(np.log(2 * smallest / (b - a)) / np.log(RATIO))), 0)
         pieces.append(graded(a, b, levels * (at_ends or i > 0), levels * (at_ends or i < last), RATIO))
     return Panels.between(np.unique(np.concatenate(pieces)))
 
@@ -39,7 +40,7 @@ def tabulated(state):
     """p/w without what r adds to it, and r = friction p - q, on panels that shrink towards the breaks of a state."""
     c_l, c_r = state.stick
     points = [state.contact[0], *state.breaks, state.contact[1]]
-    panels = shrinking(points, at_ends=False)
+    panels = shrinking(points, state.problem.k, at_ends=False)
     x, r = panels.nodes, np.zeros(len(panels.nodes))
     inside = (panels.middle > c_l) & (panels.middle < c_r)
     stuck, at_nodes = Panels(panels.low[inside], panels.high[inside]), np.repeat(inside, NODES)
@@ -114,7 +115,7 @@ class SlipState:
     @cached_property
     def _moved(self):
         points = np.array([self.contact[0], *self.breaks, self.contact[1]])
-        panels = shrinking(points)
+        panels = shrinking(points, self.problem.k)
         return Interpolated(panels, self._integrals(panels.nodes)[:1])
 
     def moved(self, problem, x):

@@ -11,7 +11,7 @@ from scipy.special import beta, eval_jacobi, roots_jacobi
 from .panels import Panels
 
 NEAR_RATIO, FAR_RATIO = 0.35, 0.1  # of panels towards an edge, as far as points of stick are, and from there on
-SMALLEST = 1e-12  # panel at an edge
+SMALLEST = 1e-10  # panel at an edge
 
 
 class Contact:
