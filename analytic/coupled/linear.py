@@ -51,7 +51,8 @@ def solve(problem, base, friction, edges, layout, Q) -> Solution:
         weight = contact.weight(nodes)
         t, left, right = contact.local(nodes)
         cauchy = weights / np.pi / (panels.nodes[:, None] - nodes)
-        smooth = at_w[:, None] * contracted(cauchy, weight) - at_even[:, None] * contracted(cauchy, (left * right) ** (k / 2))
+        smooth = at_w[:, None] * contracted(cauchy, weight)
+        smooth -= at_even[:, None] * contracted(cauchy, (left * right) ** (k / 2))
         root = np.sqrt(left * right)
         load = contracted((panels.weights * at_w @ cauchy)[None], weight)
         load -= contracted((panels.weights * at_root @ cauchy)[None], root) + contracted((weights * t)[None], root)
@@ -60,7 +61,9 @@ def solve(problem, base, friction, edges, layout, Q) -> Solution:
         return chi * beta * (odd_s @ smooth), alpha * whole + beta * load[0], whole, over_w
 
     coarse = stick.rule(COARSE)
-    smooth, of_p, of_r, over_w = of_limit(coarse.nodes, coarse.weights, lambda m, w: stick.contracted(m / w, COARSE))
+    smooth, of_p, of_r, over_w = of_limit(
+        coarse.nodes, coarse.weights, lambda m, w: stick.contracted(m / w, COARSE)
+    )
     even, odd = stick.matrices(k)
     A, right = np.zeros((n + 3, n + 3)), np.zeros(n + 3)
     A[:n, :n] = of_even * even + of_odd * odd + smooth

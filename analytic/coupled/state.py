@@ -87,5 +87,6 @@ class CoupledState:
         moved = self._state.displacements(self._problem, scaled) - self._normal.displacements(self._problem, scaled)
         return self._units.displacement * moved[0].reshape(x.shape)
 
+
 def _times(factor, pair):
     return factor * float(pair[0]), factor * float(pair[1])

@@ -12,7 +12,7 @@ GROWTH = 2.0  # of the panels from there on
 FEATURE = 1e-6  # distance of an end from another singular point, over the width of the zone, taken for zero
 RATIO, PARTS = 0.3, 11  # of the parts of the panel at an end over which the kernels are integrated,
 OUTSIDE, COARSE = 2, 1  # their number for points outside of it, and for kernels that are smooth there
-CLUSTER = 1.5  # power that gathers the collocation points at an end is 1 + CLUSTER k, for k < 0 it is 1: noise counts there
+CLUSTER = 1.5  # collocation points at an end are gathered by the power 1 + CLUSTER k; not for k < 0, where noise counts
 
 
 def power_weights(exponent):

@@ -48,7 +48,8 @@ class Contact:
         a, b = self.right - 1, self.left - 1
         t, weight, basis, S = _expansion(a, b, degree)
         slope = -(self.half**self.problem.k) * self.problem.slope(self.middle + self.half * t)
-        factors = [_factor(self.problem, self.friction, self.left, n) * (n + a + b + 1) / 2 for n in range(1, degree + 1)]
+        orders = np.arange(1, degree + 1)
+        factors = [_factor(self.problem, self.friction, self.left, n) for n in orders] * (orders + a + b + 1) / 2
         g = (basis @ (weight * slope)) / (basis**2 @ weight) / factors
         quotient, rest = chebdiv(S.T @ g, [0.5, 0.0, -0.5])
         rest = np.append(rest, [0.0, 0.0])
