@@ -92,4 +92,5 @@ def solve(problem, base, friction, edges, layout, Q) -> Solution:
     widths = np.array([c_l - x_l, c_l - x_l, x_r - c_r, x_r - c_r])
     scale = contact.half / D(0.0) / 2
     amplitudes = np.array([at_left * scale, *at_stick, at_right * scale]) / widths
-    return Solution(SlipState(problem, base, f, Q, contact, stick, u[:n], (alpha, beta), D, known is not None), amplitudes)
+    state = SlipState(problem, base, f, Q, contact, stick, u[:n], (alpha, beta), D, known is not None)
+    return Solution(state, amplitudes)
