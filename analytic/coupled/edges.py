@@ -9,11 +9,15 @@ from .stick import layout
 PROBE = 1e-4  # difference of a variable for the Jacobian
 LONGEST = 0.3  # change of a variable in one step
 ITERATIONS = 30
+CUTS = 3  # steps in a row that would leave no stick, or leave the contact at the turn with it
 GROWTH = 1.5  # of the amplitudes that is borne in a step
 SHORTER = 0.1  # change of the widths of slip in a guess that leaves no stick
 LEAST = 1e-4  # share of the contact that has to stick
 SETTLED = 3e-9  # largest amplitude (see ``linear.Solution``) at which the edges rest,
 BORNE = 1e-7  # and that borne where it falls no further: rounding, where slip has hardly begun
+
+ARRIVAL = "points come into contact in stick"  # and keep the displacement with which they came
+ARRIVED = 0.02  # distance of stick from the edge of the contact at the turn over the contact, where the search stopped
 
 
 def edges_of(y, load, contact):
@@ -53,7 +57,7 @@ class EdgeSolver:
             self.solves += 1
             return solve(self.problem, self.base, self.friction, self._edges(y, load), panels, Q)
 
-        now, before, fresh, longest = solution(y), np.inf, False, LONGEST
+        now, before, fresh, longest, cuts = solution(y), np.inf, False, LONGEST, 0
         for _ in range(ITERATIONS):
             size = np.abs(now.amplitudes).max()
             if size < SETTLED or (fresh and size > before / 2 and size < BORNE):
@@ -65,13 +69,20 @@ class EdgeSolver:
                 fresh = False
             step = -np.linalg.solve(self.jacobian, now.amplitudes)
             step *= min(1.0, longest / np.abs(step).max())
-            step = self._valid(y + step, -step / 8, load) - y
+            aim, taken = y + step, self._valid(y + step, -step / 8, load)
+            cuts = 0 if np.array_equal(taken, aim) else cuts + 1
+            if cuts > CUTS:
+                self._refuse(aim, load)
+            step = taken - y
             new = solution(y + step)
             if not np.abs(new.amplitudes).max() < GROWTH * size:  # too long a step
                 longest, before = np.abs(step).max() / 4, 0.0 if not fresh else np.inf
                 continue
             self.jacobian += np.outer(new.amplitudes - now.amplitudes - self.jacobian @ step, step) / (step @ step)
             y, now, before = y + step, new, size
+        x_l, c_l, c_r, x_r = self._edges(y, load)
+        if min(c_l - self.base.contact[0], self.base.contact[1] - c_r) < ARRIVED * (x_r - x_l):
+            raise ContactNotConverged(ARRIVAL)
         raise ContactNotConverged(f"tractions without bound remain at the edges, their amplitudes are {size:.1e}")
 
     def _layout(self, edges):
@@ -89,5 +100,10 @@ class EdgeSolver:
             outside = c_l <= self.base.contact[0] or c_r >= self.base.contact[1]
             if c_r - c_l > LEAST * (x_r - x_l) and not outside:
                 return taken
-        reason = "points come into contact in stick" if outside else "no stick is left between the zones of slip"
+        return self._refuse(y, load)
+
+    def _refuse(self, y, load):
+        _, c_l, c_r, _ = self._edges(y, load)
+        outside = c_l <= self.base.contact[0] or c_r >= self.base.contact[1]
+        reason = ARRIVAL if outside else "no stick is left between the zones of slip"
         raise ContactNotConverged(reason)
