@@ -9,6 +9,7 @@ from .stick import layout
 PROBE = 1e-4  # difference of a variable for the Jacobian
 LONGEST = 0.3  # change of a variable in one step
 ITERATIONS = 30
+LAYOUTS, LARGER = 3, 1.3  # tries with panels for the edges found, and how much too large those at the ends may be
 CUTS = 3  # steps in a row that would leave no stick, or leave the contact at the turn with it
 GROWTH = 1.5  # of the amplitudes that is borne in a step
 SHORTER = 0.1  # change of the widths of slip in a guess that leaves no stick
@@ -51,7 +52,16 @@ class EdgeSolver:
         x_l, c_l, c_r, x_r = self._edges(y, load)
         way = SHORTER if c_l > self.base.contact[0] and c_r < self.base.contact[1] else -SHORTER
         y = self._valid(y, [0, -way, -way, 0], load)
-        panels = self._layout(self._edges(y, load))
+        for _ in range(LAYOUTS):
+            panels = self._layout(self._edges(y, load))
+            state, y = self._found(Q, y, load, panels)
+            ends = zip(panels, self._layout(np.array([state.contact[0], *state.stick, state.contact[1]])), strict=True)
+            if all(used[1] < LARGER * new[1] for used, new in ends):
+                break
+        return state, y
+
+    def _found(self, Q, y, load, panels):
+        """State and its variables on given panels."""
 
         def solution(y):
             self.solves += 1
