@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from .exponents import hilbert_factors
-from .tractions import SlipState
 from .stick import COARSE, StickBasis
+from .tractions import SlipState
 from .weight import Contact
 
 
