@@ -37,7 +37,15 @@ class StepFree:
             self._states = loop.run([(step.P, step.Q) for step in self._schedule])
         except (ContactNotConverged, ValueError, ArithmeticError) as failure:
             raise NoReference(str(failure)) from None
-        self.coarser = StepFree(simulation, order - LOWER) if estimated else None
+        self.coarser = self._other(simulation, order) if estimated else None
+
+    @staticmethod
+    def _other(simulation, order):
+        """Another order of the basis; a higher one where the lower does not converge."""
+        try:
+            return StepFree(simulation, order - LOWER)
+        except NoReference:
+            return StepFree(simulation, order + LOWER)
 
     def pressure(self, entry: Entry, x):
         """p."""
