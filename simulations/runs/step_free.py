@@ -9,7 +9,7 @@ from .mesh_free import NoReference
 from .simulation import Simulation
 from .springs import last_cycle
 
-LOWEST, HIGHEST = -0.5, 0.9  # k for which the accuracy in docs/coupling_kernel.md is meant
+LOWEST, HIGHEST = -0.5, 0.7  # k for which the accuracy in docs/coupling_kernel.md is meant
 LOWER = 2  # by which the order is lower for the estimate of the error
 
 
