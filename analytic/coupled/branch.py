@@ -11,9 +11,9 @@ from ..half_plane.linear import ContactNotConverged
 from .edges import EdgeSolver, edges_of, variables_of
 from .problem import NormalStage
 
-LOADS = 9  # at which a part of a branch is solved to begin with; the states at other loads start from these
+FEWER = 2  # loads than the order of the basis, at which a part of a branch is solved to begin with
 FIRST = 0.02  # the least of them over the span of the branch,
-FIRST_BORNE = 0.2  # and the least that must have a solution
+FIRST_BORNE = 0.3  # and the least that must have a solution
 POWER = 1.5  # of the variable in which the loads are spread, see ``Branch._spread``
 MIDDLE = 0.3  # span at which the first of them is sought
 CONDITIONS = 1e-5  # violation of the conditions of friction that is borne, in units of the problem
@@ -52,7 +52,8 @@ class Branch:
         """Loads between low and high, Chebyshev points in a power of ``_progress``, both ends included or nearly so."""
         first = FIRST * high if low == 0 else low
         first, last = (self._progress(load) ** (1 / POWER) for load in (first, high))
-        v = first + (last - first) * (1 - np.cos(np.pi * np.arange(LOADS) / (LOADS - 1))) / 2
+        count = max(self.problem.order - FEWER, 4)
+        v = first + (last - first) * (1 - np.cos(np.pi * np.arange(count) / (count - 1))) / 2
         loads = -self._limit * np.expm1(np.log1p(-(v**POWER)) * (2 + self.problem.k))
         loads[-1] = high
         return loads
@@ -89,7 +90,8 @@ class Branch:
         if not len(self.loads):
             return self._guess(load)
         i = int(np.searchsorted(self.loads, load))
-        near = np.arange(max(i - 2, 0), min(i + 2, len(self.loads)))
+        reach = 3 if 0 < i < len(self.loads) else 2
+        near = np.arange(max(i - reach, 0), min(i + reach, len(self.loads)))
         t, at = np.log(self.loads[near]), np.log(load)
         weights = [np.prod((at - np.delete(t, i)) / (t[i] - np.delete(t, i))) for i in range(len(t))]
         return weights @ np.array([self._known[i][2] for i in near])

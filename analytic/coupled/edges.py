@@ -4,16 +4,21 @@ import numpy as np
 
 from ..half_plane.linear import ContactNotConverged
 from .linear import solve
-from .tractions import references
+from .stick import layout
 
-PROBE = 1e-3  # difference of a variable for the Jacobian
+PROBE = 1e-4  # difference of a variable for the Jacobian
 LONGEST = 0.3  # change of a variable in one step
-ITERATIONS = 40
-DECIDED = 0.3  # share of the largest amplitude at which the sign of another one counts
-SETTLED = 3e-9  # motion of the edges over the half-width of the contact at which they rest
-VANISHING = 1e-10  # amplitudes (see ``linear.Solution``) taken for zero,
-BORNE, PATIENCE = 1e-5, 1  # and those borne after so many steps that did not lower them: rounding for k < 0, and where
-# a stick edge comes back to a place where it turned before, which it is nearly neutral to leave
+ITERATIONS = 30
+LAYOUTS, LARGER = 3, 1.3  # tries with panels for the edges found, and how much too large those at the ends may be
+CUTS = 3  # steps in a row that would leave no stick, or leave the contact at the turn with it
+GROWTH = 1.5  # of the amplitudes that is borne in a step
+SHORTER = 0.1  # change of the widths of slip in a guess that leaves no stick
+LEAST = 1e-4  # share of the contact that has to stick
+SETTLED = 3e-9  # largest amplitude (see ``linear.Solution``) at which the edges rest,
+BORNE = 1e-7  # and that borne where it falls no further: rounding, where slip has hardly begun
+
+ARRIVAL = "points come into contact in stick"  # and keep the displacement with which they came
+ARRIVED = 0.02  # distance of stick from the edge of the contact at the turn over the contact, where the search stopped
 
 
 def edges_of(y, load, contact):
@@ -44,65 +49,71 @@ class EdgeSolver:
     def state(self, Q, y):
         """State at Q and its variables, from the guess y. Raises ContactNotConverged."""
         load = abs(Q - self.base.Q)
-        zones = references(self.problem, self.friction, self._edges(y, load), self.base)
+        x_l, c_l, c_r, x_r = self._edges(y, load)
+        way = SHORTER if c_l > self.base.contact[0] and c_r < self.base.contact[1] else -SHORTER
+        y = self._valid(y, [0, -way, -way, 0], load)
+        for _ in range(LAYOUTS):
+            panels = self._layout(self._edges(y, load))
+            state, y = self._found(Q, y, load, panels)
+            ends = zip(panels, self._layout(np.array([state.contact[0], *state.stick, state.contact[1]])), strict=True)
+            if all(used[1] < LARGER * new[1] for used, new in ends):
+                break
+        return state, y
+
+    def _found(self, Q, y, load, panels):
+        """State and its variables on given panels."""
 
         def solution(y):
-            return self._solution(Q, y, zones)
+            self.solves += 1
+            return solve(self.problem, self.base, self.friction, self._edges(y, load), panels, Q)
 
-        now, best = solution(y), (np.inf, None, y)
-        bounds = np.full((2, 4), [[-np.inf], [np.inf]])
-        stalls = 0
+        now, before, fresh, longest, cuts = solution(y), np.inf, False, LONGEST, 0
         for _ in range(ITERATIONS):
-            fresh = self.jacobian is None
-            if fresh:
+            size = np.abs(now.amplitudes).max()
+            if size < SETTLED or (fresh and size > before / 2 and size < BORNE):
+                return now.state, y
+            if self.jacobian is None or size > before / 2:
                 columns = [(solution(y + PROBE * e).amplitudes - now.amplitudes) / PROBE for e in np.eye(4)]
-                self.jacobian = np.stack(columns, axis=1)
-            amplitude = np.abs(now.amplitudes).max()
-            best = min(best, (amplitude, now.state, y), key=lambda b: b[0])
-            self._narrow(bounds, y, now.amplitudes)
-            step = self._step(now.amplitudes, y, bounds)
-            motion = load * np.abs(step * np.exp([0, y[1], y[2], 0])).max()
-            if motion < SETTLED or amplitude < VANISHING or (best[0] < BORNE and stalls > PATIENCE):
-                return best[1:]
-            new = solution(y + step)
-            grown = np.abs(new.amplitudes).max() > 0.5 * amplitude
-            stalls += grown
-            if grown and not fresh:
-                self.jacobian = None
+                self.jacobian, fresh = np.stack(columns, axis=1), True
             else:
-                self.jacobian += np.outer(new.amplitudes - now.amplitudes - self.jacobian @ step, step) / (step @ step)
-            y, now = y + step, new
-        raise ContactNotConverged(f"tractions without bound remain at the edges, their amplitudes are {best[0]:.1e}")
+                fresh = False
+            step = -np.linalg.solve(self.jacobian, now.amplitudes)
+            step *= min(1.0, longest / np.abs(step).max())
+            aim, taken = y + step, self._valid(y + step, -step / 8, load)
+            cuts = 0 if np.array_equal(taken, aim) else cuts + 1
+            if cuts > CUTS:
+                self._refuse(aim, load)
+            step = taken - y
+            new = solution(y + step)
+            if not np.abs(new.amplitudes).max() < GROWTH * size:  # too long a step
+                longest, before = np.abs(step).max() / 4, 0.0 if not fresh else np.inf
+                continue
+            self.jacobian += np.outer(new.amplitudes - now.amplitudes - self.jacobian @ step, step) / (step @ step)
+            y, now, before = y + step, new, size
+        x_l, c_l, c_r, x_r = self._edges(y, load)
+        if min(c_l - self.base.contact[0], self.base.contact[1] - c_r) < ARRIVED * (x_r - x_l):
+            raise ContactNotConverged(ARRIVAL)
+        raise ContactNotConverged(f"tractions without bound remain at the edges, their amplitudes are {size:.1e}")
 
-    def _solution(self, Q, y, zones):
-        self.solves += 1
-        return solve(self.problem, self.base, self.friction, self._edges(y, abs(Q - self.base.Q)), zones, Q)
-
-    def _narrow(self, bounds, y, amplitudes):
-        """Bounds for the widths of slip: beyond the limit of friction they are too small, below it too large."""
-        for j in (1, 2):
-            beyond = -np.sign(self.friction) * amplitudes[j]
-            if abs(beyond) > DECIDED * np.abs(amplitudes).max():
-                bounds[0 if beyond > 0 else 1, j] = y[j]
-
-    def _step(self, amplitudes, y, bounds):
-        """Newton's step; the widths of slip stay within their bounds, and the others follow them."""
-        step = -np.linalg.solve(self.jacobian, amplitudes)
-        low, high = np.maximum(bounds[0] - y, -LONGEST), np.minimum(bounds[1] - y, LONGEST)
-        taken = np.zeros(4, dtype=bool)
-        for j in (1, 2):
-            if not low[j] < step[j] < high[j]:
-                taken[j] = True
-                both = np.isfinite(bounds[:, j]).all() and high[j] - low[j] < LONGEST
-                step[j] = (low[j] + high[j]) / 2 if both else np.clip(step[j], low[j], high[j])
-        if taken.any():
-            free = ~taken
-            right = -amplitudes - self.jacobian[:, taken] @ step[taken]
-            step[free] = np.linalg.solve(self.jacobian[np.ix_(free, free)], right[free])
-        return np.clip(step, -LONGEST, LONGEST)
+    def _layout(self, edges):
+        _, c_l, c_r, _ = edges
+        return layout(c_l, c_r, [*edges, *self.base.contact, *self.base.breaks])
 
     def _edges(self, y, load):
-        edges = edges_of(y, load, self.base.contact)
-        if not (np.diff(edges) > 0).all():
-            raise ContactNotConverged("no stick is left between the zones of slip")
-        return edges
+        return edges_of(y, load, self.base.contact)
+
+    def _valid(self, y, back, load):
+        """Variables, so many times ``back`` from y, with which some stick is left, within the contact at the turn."""
+        for times in range(8):
+            taken = y + times * np.asarray(back)
+            x_l, c_l, c_r, x_r = self._edges(taken, load)
+            outside = c_l <= self.base.contact[0] or c_r >= self.base.contact[1]
+            if c_r - c_l > LEAST * (x_r - x_l) and not outside:
+                return taken
+        return self._refuse(y, load)
+
+    def _refuse(self, y, load):
+        _, c_l, c_r, _ = self._edges(y, load)
+        outside = c_l <= self.base.contact[0] or c_r >= self.base.contact[1]
+        reason = ARRIVAL if outside else "no stick is left between the zones of slip"
+        raise ContactNotConverged(reason)

@@ -1,6 +1,6 @@
 """Exponents with which tractions end at the edges of contact and of stick."""
 
-from math import atan2, cos, pi, sin, tan
+from math import atan2, cos, pi
 
 import numpy as np
 
@@ -21,13 +21,11 @@ def edge_exponent(k, bk, d, friction):
     return k / 2 + atan2(1.0, friction * coupling_ratio(k, bk, d)) / pi
 
 
-def pressure_beside_stick_edge(ratio, friction, exponent):
-    """Factors of p in stick and in slip at the right edge of a stick zone, where friction p - q = s^(exponent - 1).
+def hilbert_factors(k, bk, d, friction):
+    """Factors of r = friction p - q and of its Hilbert transform H r in p where no edge of contact is near.
 
-    s: distance from the edge; ratio: ``coupling_ratio``, with the opposite sign at the left edge.
-    With the Hilbert transform H of r = friction p - q, contact means (1 + (friction ratio)²) p =
-    friction ratio² r - ratio H r; H r is -cot(pi exponent) r in stick and s^(exponent - 1)/sin(pi exponent) in slip.
+    Contact means (1 - friction ratio H) p = -ratio H r, ratio = ``coupling_ratio``, and H² = -1.
     """
+    ratio = coupling_ratio(k, bk, d)
     whole = 1 + (friction * ratio) ** 2
-    stick = friction * ratio**2 + ratio / tan(pi * exponent)
-    return stick / whole, -ratio / sin(pi * exponent) / whole
+    return friction * ratio**2 / whole, -ratio / whole

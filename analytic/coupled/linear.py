@@ -4,9 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .tractions import TIP, ZONE, SlipState, Source, Zones
-
-SLIP = (0, 2)  # zones
+from .exponents import hilbert_factors
+from .stick import COARSE, StickBasis
+from .tractions import SlipState
+from .weight import Contact
 
 
 @dataclass(frozen=True)
@@ -21,93 +22,75 @@ class Solution:
     amplitudes: np.ndarray
 
 
-def solve(problem, base, friction, edges, zone_references, Q) -> Solution:
+def solve(problem, base, friction, edges, layout, Q) -> Solution:
     """Tractions with u_y + f = delta_y in contact, u_x as at the turn in stick, q = friction p in slip, for given P, Q.
 
-    In stick the unknowns are differences to the state ``base`` at the turn of the load, and so are the displacements.
+    The unknown is r = friction p - q, which vanishes in slip. In contact
+    p = alpha r + beta w H[r/w] + (pressure of the profile in full slip), w the weight of ``Contact``: with the Hilbert
+    transform H this meets the first condition for every r (docs/coupling_kernel.md). The second is collocated.
     """
-    zones = Zones(edges, zone_references)
-    mu_p = friction
-    n = np.cumsum([0, *[z.size for z in zone_references], 1, 1])
-    left, stick_p, right, stick_q, load_p, load_q = (slice(a, b) for a, b in zip(n, n[1:], strict=False))
-    of_slip = {0: left, 2: right}
-    rows_at = np.cumsum([0, *[len(zones.points[i]) for i in ZONE], 1, 1])
-    at_left, at_p, at_right, at_q, at_P, at_Q = (slice(a, b) for a, b in zip(rows_at, rows_at[1:], strict=False))
-    A, b = np.zeros((rows_at[-1], n[-1])), np.zeros(rows_at[-1])
-    _, c_l, c_r, _ = edges
-    tip = TIP * zones.half.min()
-    held = Source(base, c_l, c_r, tip)
-    for target, rows in ((0, at_left), (2, at_right)):
-        x = zones.points[target]
-        for source, columns in of_slip.items():
-            even, odd = zones.own_matrices(source) if source == target else zones.matrices(source, x)[0]
-            A[rows, columns] = problem.bk * even - mu_p * problem.d * odd
-        (even, _), (_, odd) = zones.matrices(1, x)
-        A[rows, stick_p], A[rows, stick_q] = problem.bk * even, -problem.d * odd
-        A[rows, load_p] = -1
-        b[rows] = -problem.height(x) - held.displacements(problem, x)[1]
-    x = zones.points[1]
-    for source, columns in of_slip.items():
-        even, odd = zones.matrices(source, x)[0]
-        A[at_p, columns] = problem.bk * even - mu_p * problem.d * odd
-        A[at_q, columns] = mu_p * problem.gk * even + problem.d * odd
-        A[at_P, columns] = zones.moments(source)
-        A[at_Q, columns] = mu_p * zones.moments(source)
-    (even_p, odd_p), (even_q, odd_q) = zones.own_matrices(1), zones.own_matrices(3)
-    A[at_p, stick_p], A[at_p, stick_q] = problem.bk * even_p, -problem.d * odd_q
-    A[at_q, stick_p], A[at_q, stick_q] = problem.d * odd_p, problem.gk * even_q
-    A[at_p, load_p] = A[at_q, load_q] = -1
-    A[at_P, stick_p], A[at_Q, stick_q] = zones.moments(1), zones.moments(3)
-    b[at_p] = -base.delta_y
-    b[at_Q] = Q - base.Q
-    for low, high in ((base.contact[0], c_l), (c_r, base.contact[1])):  # tractions at the turn that slip replaces
-        lost = Source(base, low, high, tip)
-        u_x, u_y = lost.displacements(problem, x)
-        b[at_p] += u_y
-        b[at_q] += u_x
-        b[at_P] += lost.loads[0]
-        b[at_Q] += lost.loads[1]
-    free, extra = _dependent(problem, friction, zones, n)
-    u = np.zeros(n[-1])
-    u[free] = np.linalg.solve(A[:, free] + A @ extra[:, free], b)
-    u += extra @ u
-    coefficients = u[left], u[stick_p], u[right], u[stick_q]
-    delta_x, delta_y = base.delta_x + u[load_q][0], u[load_p][0]
-    state = SlipState(base, friction, Q, zones, coefficients, delta_x, delta_y)
-    return Solution(state, _amplitudes(zones, coefficients, friction))
+    k, d, f = problem.k, problem.d, friction
+    x_l, c_l, c_r, x_r = edges
+    contact = Contact(problem, f, x_l, x_r)
+    stick = StickBasis(c_l, c_r, layout, problem.exponents(f)[2:], problem.order, k)
+    x, n = stick.points, stick.size
+    alpha, beta = hilbert_factors(k, problem.bk, d, f)
+    chi = d * (1 + f**2 * problem.gk / problem.bk)
+    of_even = -(problem.gk + chi * beta * problem.tau)
+    of_odd = chi * alpha - f * d * problem.gk / problem.bk
+    panels, from_left, from_right = contact.nodes((c_l, c_r))
+    over = from_left * from_right
+    w = at_w = from_left**contact.left * from_right**contact.right
+    at_even, at_root = over ** (k / 2), np.sqrt(over)
+    local = from_left - 1
+    D, _, b = contact.profile()
+    odd_s = panels.matrices(x, k)[1]
 
+    def of_limit(nodes, weights, contracted):
+        """Of r at nodes: u_x in stick without what is constant, ∫ p, ∫ r, ∫ r/w over half."""
+        weight = contact.weight(nodes)
+        t, left, right = contact.local(nodes)
+        cauchy = weights / np.pi / (panels.nodes[:, None] - nodes)
+        smooth = at_w[:, None] * contracted(cauchy, weight)
+        smooth -= at_even[:, None] * contracted(cauchy, (left * right) ** (k / 2))
+        root = np.sqrt(left * right)
+        load = contracted((panels.weights * at_w @ cauchy)[None], weight)
+        load -= contracted((panels.weights * at_root @ cauchy)[None], root) + contracted((weights * t)[None], root)
+        whole = contracted(weights[None], 1.0)[0]
+        over_w = contracted(weights[None], weight)[0]
+        return chi * beta * (odd_s @ smooth), alpha * whole + beta * load[0], whole, over_w
 
-def _dependent(problem, friction, zones, n):
-    """Places of the unknowns, and the matrix that gives the extra powers of p at the edges of stick from those of q."""
-    references, half = zones.references, zones.half
-    free, extra = np.ones(n[-1], dtype=bool), np.zeros((n[-1], n[-1]))
-    exponents = problem.exponents(friction)[2:]
-    for side, (in_stick, in_slip) in enumerate(problem.beside_stick(friction)):
-        slip = 2 * side
-        q, end = references[3], (references[3].left, references[3].right)[side]
-        columns = n[3] + (np.arange(q.split) if side == 0 else np.arange(q.split, q.size))
-        amplitude = end.amplitude / (friction * in_stick - 1)  # of friction p - q, from that of q
-        tip = half[1] * end.tip
-        beyond = half[slip] * (references[slip].right if side == 0 else references[slip].left).tip
-        for expansion, place, factor in (
-            (1, references[1].extras[side], in_stick),
-            (slip, references[slip].extras[1 - side], in_slip * (beyond / tip) ** (exponents[side] - 1)),
-        ):
-            row = n[expansion] + place
-            free[row] = False
-            extra[row, columns] = factor * amplitude
-    return free, extra
-
-
-def _amplitudes(zones, coefficients, friction):
-    left, p, right, q = coefficients
-    references, half = zones.references, zones.half
-    ends = [references[0].left, references[3].left, references[3].right, references[2].right]
-    gap = [friction * p[references[1].extras[i]] for i in (0, 1)]
-    parts = [left[: ends[0].size], q[: ends[1].size], q[ends[1].size :], right[-ends[3].size :]]
-    amplitudes = np.array([e.amplitude @ c for e, c in zip(ends, parts, strict=True)])
-    amplitudes[1:3] = gap - amplitudes[1:3]
-    tips = half[[0, 1, 1, 2]] * [end.tip for end in ends]
-    exponents = np.array([end.exponents[-1] for end in ends])
-    widths = 2 * half[[0, 0, 2, 2]]
-    return amplitudes * tips**-exponents / widths
+    coarse = stick.rule(COARSE)
+    smooth, of_p, of_r, over_w = of_limit(
+        coarse.nodes, coarse.weights, lambda m, w: stick.contracted(m / w, COARSE)
+    )
+    even, odd = stick.matrices(k)
+    A, right = np.zeros((n + 3, n + 3)), np.zeros(n + 3)
+    A[:n, :n] = of_even * even + of_odd * odd + smooth
+    A[:n, n] = chi * (odd_s @ (w / over))
+    A[:n, n + 1] = chi * (odd_s @ (w / over * local))
+    A[:n, n + 2] = -1
+    A[n, :n], A[n, n : n + 2] = of_p, contact.unbounded
+    A[n + 1, :n] = of_r
+    A[n + 2, :n], A[n + 2, n + 1] = -beta / np.pi / contact.half * over_w, 1
+    profile = w * D(local)
+    right[:n] = base.moved(problem, x) - chi * (odd_s @ profile)
+    right[:n] += f * problem.gk / problem.bk * problem.height(x)
+    right[n : n + 3] = 1 - panels.weights @ profile, f - Q, b
+    known = None
+    if stick.panels and np.any((base.breaks > stick.inner[0]) & (base.breaks < stick.inner[-1])):
+        known = base.limit_between(f, *stick.inner[[0, -1]])
+    if known:
+        source, r = known
+        smooth, of_p, of_r, over_w = of_limit(source.nodes, source.weights, lambda m, w: m @ (r / w)[:, None])
+        even, odd = source.matrices(x, k)
+        right[:n] -= of_even * (even @ r) + of_odd * (odd @ r) + smooth[:, 0]
+        right[n : n + 3] -= of_p[0], of_r[0], -beta / np.pi / contact.half * over_w[0]
+    u = np.linalg.solve(A, right)
+    at_left, at_right = u[n] - u[n + 1], u[n] + u[n + 1]
+    at_stick = stick.amplitudes(u[:n])
+    widths = np.array([c_l - x_l, c_l - x_l, x_r - c_r, x_r - c_r])
+    scale = contact.half / D(0.0) / 2
+    amplitudes = np.array([at_left * scale, *at_stick, at_right * scale]) / widths
+    state = SlipState(problem, base, f, Q, contact, stick, u[:n], (alpha, beta), D, known is not None)
+    return Solution(state, amplitudes)

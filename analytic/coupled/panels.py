@@ -102,6 +102,18 @@ class Panels:
             even.reshape(shape)[i, j], odd.reshape(shape)[i, j] = even_near, odd_near
         return even, odd
 
+    def cauchy(self, x):
+        """(1/pi) ∫ g(t)/(x - t) dt as a matrix (len(x), nodes) acting on g at the nodes; principal value within."""
+        z = x[:, None] - self.nodes
+        i, j = np.nonzero(np.abs(x[:, None] - self.middle) < (1 + 2 * NEAR) * self.half)
+        z.reshape(len(x), -1, NODES)[i, j] = 1.0
+        result = self.weights / z
+        if len(i):
+            local = (x[i] - self.middle[j]) / self.half[j]
+            result.reshape(len(x), len(self.low), NODES)[i, j] = _near_cauchy(local)
+        result /= np.pi
+        return result
+
     def _near(self, x, j, k):
         """Weights (pairs, NODES) of panel j for a point x in it or close by: the parts on both sides of x."""
         local = (x - self.middle[j]) / self.half[j]
@@ -121,3 +133,21 @@ class Panels:
             even += (end * np.sign(reach))[:, None] * part
             odd -= end * power
         return even @ TO_LEGENDRE, odd @ TO_LEGENDRE
+
+
+def _near_cauchy(x):
+    """Weights (n, NODES) of ∫_-1^1 g(t)/(x - t) dt for points x within -1 < t < 1 or close by."""
+    log = np.log(np.abs(1 + x) / np.maximum(np.abs(1 - x), 1e-300)) if len(x) else x
+    result = np.empty((len(x), NODES))
+    inside = np.abs(x) < 1.01
+    at = x[inside]
+    Q = np.empty((NODES, len(at)))  # 2 Q_n, Legendre functions of the second kind
+    Q[0], Q[1] = log[inside], at * log[inside] - 2
+    for n in range(2, NODES):
+        Q[n] = ((2 * n - 1) * at * Q[n - 1] - (n - 1) * Q[n - 2]) / n
+    result[inside] = Q.T @ TO_LEGENDRE
+    at = x[~inside]  # the part of g(x) is integrated in closed form
+    g = legendre(at, NODES).T @ TO_LEGENDRE
+    ratio = GAUSS_WEIGHT / (at[:, None] - GAUSS)
+    result[~inside] = ratio + g * (log[~inside] - ratio.sum(axis=1))[:, None]
+    return result

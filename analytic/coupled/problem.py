@@ -1,18 +1,18 @@
 """The coupled contact problem without units, and its state after the normal stage."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from ..cylinder import CylinderContact
+from ..half_plane.linear import ContactNotConverged
 from ..half_plane.surface_kernel import PowerLawKernel
 from ..normal import ProfileContact
-from .exponents import coupling_ratio, edge_exponent, pressure_beside_stick_edge
+from .exponents import edge_exponent
 from .panels import GAUSS, Panels, even_kernel, graded
-from .tractions import Source
-from .zone import ReferenceZone
+from .tractions import Interpolated
 
 LEVELS, RATIO = 15, 0.4  # of the panels on which the pressure of the normal stage is integrated or interpolated
 
@@ -21,7 +21,8 @@ LEVELS, RATIO = 15, 0.4  # of the panels on which the pressure of the normal sta
 class Problem:
     """Data without units: lengths over a, tractions over P/a, loads over P, displacements over P y0^k/(E0 a^k).
 
-    bk, gk, d: factors of the kernels; mu: friction coefficient; height: profile at x; order: of the basis.
+    bk, gk, d: factors of the kernels; mu: friction coefficient; height, slope: profile at x and its derivative,
+    a polynomial of this degree; order: of the basis.
     """
 
     k: float
@@ -30,14 +31,9 @@ class Problem:
     d: float
     mu: float
     height: Callable
+    slope: Callable
+    degree: int
     order: int
-
-    def __post_init__(self):
-        object.__setattr__(self, "_zones", {})
-
-    def with_order(self, order):
-        """The same problem with another basis."""
-        return replace(self, order=order)
 
     def displacements(self, even_p, odd_p, even_q, odd_q):
         """u_x and u_y from the integrals of R and O over p and q, [X6]."""
@@ -48,28 +44,10 @@ class Problem:
         minus, plus = (edge_exponent(self.k, self.bk, self.d, s * friction) for s in (-1, 1))
         return minus, plus, plus, minus
 
-    def beside_stick(self, friction):
-        """``pressure_beside_stick_edge`` at c_l and c_r."""
-        ratio = coupling_ratio(self.k, self.bk, self.d)
-        left, right = self.exponents(friction)[2:]
-        return [pressure_beside_stick_edge(s * ratio, friction, e) for s, e in ((-1, left), (1, right))]
-
-    def zone(self, expansion, friction, levels):
-        """Reference zone of one of the expansions of ``tractions.ZONE``, with panels of these levels at both ends.
-
-        The last power at an edge has no bound, and should vanish: it tells where the edge is. In p at an edge of stick
-        it is an extra one that belongs to that of q.
-        """
-        key = expansion, friction, *levels
-        if key not in self._zones:
-            n, (x_l, x_r, c_l, c_r) = self.order, self.exponents(friction)
-            contact = [((x - 1, n + 4),) for x in (x_l, x_r)]
-            p_at_stick = [((0.0, n), (c, n + 1), (c - 1, 1)) for c in (c_l, c_r)]
-            q_at_stick = [((0.0, n), (c - 1, n + 1)) for c in (c_l, c_r)]
-            ends = [(contact[0], p_at_stick[0]), p_at_stick, (p_at_stick[1], contact[1]), q_at_stick][expansion]
-            left, right = zip(ends, levels, strict=True)
-            self._zones[key] = ReferenceZone(left, right, n, self.k)
-        return self._zones[key]
+    @property
+    def tau(self):
+        """O is tau times the Hilbert transform of R."""
+        return 2 / np.pi * np.cos(self.k * np.pi / 2) / np.sinc(self.k / 2)
 
 
 class NormalStage:
@@ -96,7 +74,21 @@ class NormalStage:
         solid, a = self.solid, self.a
         unit = self.P * (solid.y0 / a) ** solid.k / solid.E0
         d = PowerLawKernel(solid).d if coupling else 0.0
-        return Problem(solid.k, solid.bk, solid.gk, d, mu, lambda x: profile.height(a * x) / unit, order)
+        if not self.smooth:
+            raise ContactNotConverged("the profile is no polynomial: its power has to be even")
+        slope = profile.A * profile.m * a**profile.m / unit
+
+        return Problem(
+            k=solid.k,
+            bk=solid.bk,
+            gk=solid.gk,
+            d=d,
+            mu=mu,
+            height=lambda x: profile.height(a * x) / unit,
+            slope=lambda x: slope * x ** (profile.m - 1),
+            degree=round(profile.m),
+            order=order,
+        )
 
     @cached_property
     def _sampled(self):
@@ -123,7 +115,11 @@ class NormalStage:
             p = _interpolated(at, values.reshape(-1, len(GAUSS))[j]) * self._root(r)
         return np.stack([p, np.zeros_like(p)])
 
-    table = tractions
+    def limit_between(self, friction, low, high):
+        """Panels between two points, and friction p - q at their nodes."""
+        points = np.array([low, *self.breaks[(self.breaks > low) & (self.breaks < high)], high])
+        panels = Panels.between(points)
+        return panels, friction * self.tractions(panels.nodes)[0]
 
     @cached_property
     def delta_y(self):
@@ -137,12 +133,27 @@ class NormalStage:
         return float(self.solid.bk * (kernel @ self.tractions(panels.nodes)[0])[0])
 
     @cached_property
-    def _everywhere(self):
-        return Source(self, -1.0, 1.0, 1.0, RATIO)
+    def _sources(self):
+        points = np.array([-1.0, *self.breaks, 1.0])
+        pieces = [graded(a, b, LEVELS, LEVELS, RATIO) for a, b in zip(points, points[1:], strict=False)]
+        panels = Panels.between(np.unique(np.concatenate(pieces)))
+        return panels, self.tractions(panels.nodes)[0]
 
     def displacements(self, problem, x):
         """u_x and u_y - delta_y at x, shape (2, n)."""
-        return self._everywhere.displacements(problem, x) - np.array([[0.0], [self.delta_y]])
+        panels, p = self._sources
+        even, odd = panels.matrices(x, problem.k)
+        u_x, u_y = problem.displacements(even @ p, odd @ p, 0.0, 0.0)
+        return np.stack([u_x, u_y - self.delta_y])
+
+    @cached_property
+    def _moved(self):
+        panels = self._sources[0]
+        return Interpolated(panels, (panels.matrices(panels.nodes, self.solid.k)[1] @ self._sources[1])[None])
+
+    def moved(self, problem, x):
+        """u_x at x in the contact, interpolated."""
+        return problem.d * self._moved(x)[0]
 
     def unit_of_length_shift(self):
         """R(a/y0): the kernels of ``PowerLawKernel`` have y0 for the length that is a here."""

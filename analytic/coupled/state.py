@@ -6,10 +6,6 @@ from functools import cached_property
 import numpy as np
 
 from .branch import smooth_rule
-from .linear import solve
-from .tractions import references
-
-LOWER = 2  # by which the order is lower for an estimate of the error
 
 
 @dataclass(frozen=True)
@@ -90,22 +86,6 @@ class CoupledState:
         scaled = x.ravel() / self._units.length
         moved = self._state.displacements(self._problem, scaled) - self._normal.displacements(self._problem, scaled)
         return self._units.displacement * moved[0].reshape(x.shape)
-
-    @cached_property
-    def own_error(self):
-        """Largest differences of p and q to those of a basis lower by two orders, over the peaks of p and mu p.
-
-        The error of the basis itself is smaller, as it falls by about a factor of ten with each order.
-        """
-        state, problem = self._state, self._problem
-        if not hasattr(state, "zones"):
-            return 0.0, 0.0
-        lower = problem.with_order(problem.order - LOWER)
-        zones = references(lower, state.friction, state.zones.edges, state.base)
-        other = solve(lower, state.base, state.friction, state.zones.edges, zones, state.Q).state
-        p, q = np.abs(other.tractions(self._nodes) - state.tractions(self._nodes)).max(axis=1)
-        peak = self.pressure.max() / self._units.stress
-        return p / peak, q / (problem.mu * peak)
 
 
 def _times(factor, pair):

@@ -27,8 +27,7 @@ def compare_state(entry: Entry, reference: Reference) -> dict[str, float]:
         under = weight * ((x >= left) & (x <= right))
         deviation["traction_l2"] = relative_l2(weight, surface.traction, reference.traction(entry, x))
         deviation["slip_l2"] = relative_l2(under, entry.slip, reference.slip(entry, x))
-    coarser = getattr(reference, "coarser", None)
-    own = apart(entry, coarser, reference) if coarser else {}
+    own = apart(entry, reference.coarser, reference) if reference.coarser else {}
     return {name: value + own.get(name, 0.0) for name, value in deviation.items()}
 
 
@@ -51,7 +50,7 @@ def compare(history: History, reference: Reference) -> dict[str, float]:
         energy = reference.dissipated_energy()
         if energy:
             error = history.dissipated_energy / energy - 1
-            coarser = getattr(reference, "coarser", None)
+            coarser = reference.coarser
             own = abs((coarser.dissipated_energy() or 0.0) / energy - 1) if coarser else 0.0
             deviation["dissipated_energy"] = error + float(np.copysign(own, error))
     return deviation

@@ -23,6 +23,10 @@ class Reference(Protocol):
 
     name: str
 
+    @property
+    def coarser(self) -> "Reference | None":
+        """The same less finely resolved: the difference is about its error. None where it is exact."""
+
     def pressure(self, entry: Entry, x: np.ndarray) -> np.ndarray:
         """Contact pressure."""
 
@@ -82,7 +86,7 @@ def of_same_physics(simulation: Simulation, tell: Tell | None = None) -> Referen
         raise NoReference("there is no closed form of this problem, and reference.kind = closed form")
     if step_free.serves(simulation):
         try:
-            return step_free.StepFree(simulation)
+            return step_free.StepFree(simulation, estimated=True)
         except NoReference:  # the other solver may
             pass
     return MeshFree(simulation, tell, estimated=True)
@@ -95,7 +99,7 @@ def describe(reference: Reference, simulation: Simulation) -> str:
     if not isinstance(reference, (Springs, StretchedForm)):
         friction = "the same friction" if scene.friction else "no friction"
         nodes = f" of {reference.nodes} nodes" if isinstance(reference, MeshFree) else ""
-        own = ", whose own error is added to the errors" if getattr(reference, "coarser", None) else ""
+        own = ", whose own error is added to the errors" if reference.coarser else ""
         coupling = " and coupling" if "coupling" in simulation.effects else ""
         return f"{reference.name}{nodes} with {friction}{coupling}{own}"
     if not scene.friction:

@@ -24,6 +24,7 @@ class Springs:
     """
 
     name = "closed form"
+    coarser = None
 
     def __init__(self, contact: CylinderContact | ProfileContact, mu: float, schedule: Sequence[LoadStep]):
         self._schedule = schedule

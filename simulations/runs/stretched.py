@@ -14,6 +14,7 @@ class StretchedForm:
     """Closed form [X7] at the loads of a schedule; loop: in the units of the schedule."""
 
     name = "closed form"
+    coarser = None
 
     def __init__(self, loop: StretchedLoop, schedule: Sequence[LoadStep]):
         self._loop, self._schedule = loop, schedule

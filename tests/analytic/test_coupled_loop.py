@@ -32,7 +32,7 @@ def loads(Q_A, *shares):
 
 
 @lru_cache
-def loop(k, nu, mu, share, coupling=True, order=7):
+def loop(k, nu, mu, share, coupling=True, order=10):
     """States at the end of the normal stage, at Q_A, -Q_A/2, -Q_A, Q_A/2, Q_A."""
     path = loads(share * mu * P, 1, -0.5, -1, 0.5, 1)
     return CoupledLoop(solid_of(k, nu), PROFILE, P, mu, coupling, order).run(path)
@@ -54,37 +54,34 @@ def assert_closed_forms(states, contact, mu, Q_A, tolerance):
         assert error(state, np.where(inside, -state.slip, 0.0), slip) < tolerance
         d = exact.active_half_width(state.Q, branch)
         assert np.abs(np.array([state.contact, state.stick]) - [[-contact.a, contact.a], [-d, d]]).max() < tolerance * d
-    assert states[1].dissipated_energy == pytest.approx(exact.dissipated_energy / 4, rel=tolerance)
+    assert states[1].dissipated_energy == pytest.approx(exact.dissipated_energy / 4, rel=2e-6)
     cycle = states[-1].dissipated_energy - states[1].dissipated_energy
-    assert cycle == pytest.approx(exact.dissipated_energy, rel=tolerance)
+    assert cycle == pytest.approx(exact.dissipated_energy, rel=2e-6)
 
 
-@pytest.mark.parametrize("k, tolerance", [(0.0, 2e-6), (0.3, 1e-5)])  # measured at 0.3: 6e-6
+@pytest.mark.parametrize("k, tolerance", [(-0.5, 1e-5), (0.3, 1e-6)])
 def test_without_coupling_the_closed_forms(k, tolerance):
     Q_A = 0.6 * MU * P
     assert_closed_forms(loop(k, 0.3, MU, 0.6, False), CylinderContact(solid_of(k), R, P), MU, Q_A, tolerance)
 
 
-def test_what_is_not_found_is_said():
-    """At k = 0.7 without coupling a point slips backwards by 2e-5 on the way back: it says so."""
-    with pytest.raises(ContactNotConverged, match="slips backwards"):
-        loop(0.7, 0.3, MU, 0.6, False)
-
-
-@pytest.mark.parametrize("k", [0.0, 0.5])
-def test_holl_ratio_decouples(k):
+def test_holl_ratio_decouples():
     """Coupling is on, and vanishes up to rounding of the Holl ratio."""
-    nu = GradedHalfPlane.holl_ratio(k)
-    assert_closed_forms(loop(k, nu, MU, 0.6), CylinderContact(solid_of(k, nu), R, P), MU, 0.6 * MU * P, 2e-6)
+    nu = GradedHalfPlane.holl_ratio(0.5)
+    assert_closed_forms(loop(0.5, nu, MU, 0.6), CylinderContact(solid_of(0.5, nu), R, P), MU, 0.6 * MU * P, 1e-6)
 
 
 def test_other_profile_without_coupling():
-    """A flat with rounded ends: the pressure has singular points within the stick zone."""
-    profile = Profile(lambda u: u**2 / 2, lambda u: u, np.ones_like, flat=0.2)
+    """A profile of the fourth power, and one that is no polynomial and is refused."""
+    profile = PowerProfile(0.3, 4.0)
     contact = ProfileContact.from_load(solid_of(0.3), profile, P, a_max=4.0)
-    Q_A = 0.3 * MU * P
-    states = CoupledLoop(solid_of(0.3), profile, P, MU, coupling=False).run(loads(Q_A, 1, -0.5, -1, 0.5, 1))
-    assert_closed_forms(states, contact, MU, Q_A, 1e-5)
+    state = CoupledLoop(solid_of(0.3), profile, P, MU, coupling=False, order=8).run(loads(0.3 * MU * P, 1))[-1]
+    exact = contact.fretting(MU, 0.3 * MU * P)
+    assert error(state, state.pressure, contact.pressure(state.x)) < 1e-6
+    assert error(state, state.traction, exact.traction(state.x, state.Q, "initial")) < 1e-6
+    flat = Profile(lambda u: u**2 / 2, lambda u: u, np.ones_like, flat=0.2)
+    with pytest.raises(ContactNotConverged, match="no polynomial"):
+        CoupledLoop(solid_of(0.3), flat, P, MU).run(loads(0.1, 1))
 
 
 @pytest.mark.parametrize(("k", "mu", "share"), [(0.0, 0.6, 0.6), (0.3, 0.3, 0.9)])
@@ -111,13 +108,32 @@ def test_energy_of_loops_with_coupling():
 
 
 def test_order_of_the_basis():
-    """A basis lower by two orders gives the same state and energy to 2e-6."""
-    for state, other in zip(loop(0.3, 0.3, MU, 0.9), loop(0.3, 0.3, MU, 0.9, order=5), strict=True):
-        assert other.contact == pytest.approx(state.contact, abs=2e-6 * state.contact[1])
-        assert other.dissipated_energy == pytest.approx(state.dissipated_energy, rel=2e-6, abs=1e-12)
+    """A basis lower by two orders, and fewer loads, give the same state and energy."""
+    path = loads(0.9 * MU * P, 1, -0.5)
+    lower, higher = (CoupledLoop(solid_of(0.3), PROFILE, P, MU, order=order).run(path) for order in (8, 10))
+    for state, other in zip(higher, lower, strict=True):
+        assert other.contact == pytest.approx(state.contact, abs=1e-7 * state.contact[1])
+        assert other.dissipated_energy == pytest.approx(state.dissipated_energy, rel=1e-5, abs=1e-12)
         if state.Q:
             assert error(state, other.pressure_at(state.x), state.pressure) < 2e-6
-            assert error(state, other.traction_at(state.x), state.traction) < 1e-5
+            assert error(state, other.traction_at(state.x), state.traction) < 2e-5
+
+
+def test_pressure_in_closed_form():
+    """Where p follows from r alone, u_y + f is constant in contact and u_x in stick as the kernels have it."""
+    state = loop(0.0, 0.3, 0.6, 0.6)[1]
+    inner, problem = state._state, state._problem
+    x = np.linspace(*inner.contact, 30)[1:-1]
+    u_x, u_y = inner.displacements(problem, x) - inner.base.displacements(problem, x) * [[1], [0]]
+    assert np.abs(u_y + problem.height(x)).max() < 1e-7
+    stuck = (x > inner.stick[0]) & (x < inner.stick[1])
+    assert np.abs(u_x[stuck]).max() < 1e-7
+
+
+def test_points_that_come_into_contact_in_stick_are_said():
+    """Far from the Holl ratio, under strong friction, the contact moves faster than slip spreads."""
+    with pytest.raises(ContactNotConverged, match="into contact in stick"):
+        CoupledLoop(solid_of(-0.3, 0.0), PROFILE, P, 0.6, order=8).run(loads(0.6 * P, 0.9))
 
 
 def test_paths_that_are_no_loops_are_refused():

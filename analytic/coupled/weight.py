@@ -1,0 +1,88 @@
+"""Weights with which tractions end at both edges of a contact, and points that are gathered there."""
+
+from functools import lru_cache
+from math import gamma, pi, sin
+
+import numpy as np
+from numpy.polynomial import Chebyshev
+from numpy.polynomial.chebyshev import chebdiv
+from scipy.special import beta, eval_jacobi, roots_jacobi
+
+from .panels import Panels
+
+NEAR_RATIO, FAR_RATIO = 0.35, 0.1  # of panels towards an edge, as far as points of stick are, and from there on
+SMALLEST = 1e-10  # panel at an edge
+
+
+class Contact:
+    """Interval x_l < x < x_r of contact in slip with q = friction p, where p ends with ``exponents`` at both ends.
+
+    The integral operator A p = u_y of slip has the kernel bk R - friction d O. With the weight w = (1 + t)^left
+    (1 - t)^right, t from -1 to 1, it takes w/(1 - t²) times a polynomial to a polynomial of the same degree.
+    """
+
+    def __init__(self, problem, friction, x_l, x_r):
+        self.problem, self.x_l, self.x_r = problem, x_l, x_r
+        self.middle, self.half = (x_l + x_r) / 2, (x_r - x_l) / 2
+        self.left, self.right = problem.exponents(friction)[:2]
+        self.friction = friction
+
+    def local(self, x):
+        """t and the distances 1 + t, 1 - t."""
+        return (x - self.middle) / self.half, (x - self.x_l) / self.half, (self.x_r - x) / self.half
+
+    def weight(self, x):
+        """w at x."""
+        _, from_left, from_right = self.local(x)
+        return np.maximum(from_left, 0) ** self.left * np.maximum(from_right, 0) ** self.right
+
+    @property
+    def unbounded(self):
+        """∫ w/(1 - t²) and ∫ t w/(1 - t²) over x."""
+        whole = self.half * 2**self.problem.k * beta(self.left, self.right)
+        return whole, whole * (self.left - self.right) / (self.left + self.right)
+
+    def profile(self):
+        """A p = constant - height for p = w/(1 - t²) ((1 - t²) D(t) + a + b t): D as a Chebyshev series, a and b."""
+        degree = self.problem.degree
+        a, b = self.right - 1, self.left - 1
+        t, weight, basis, S = _expansion(a, b, degree)
+        slope = -(self.half**self.problem.k) * self.problem.slope(self.middle + self.half * t)
+        orders = np.arange(1, degree + 1)
+        factors = [_factor(self.problem, self.friction, self.left, n) for n in orders] * (orders + a + b + 1) / 2
+        g = (basis @ (weight * slope)) / (basis**2 @ weight) / factors
+        quotient, rest = chebdiv(S.T @ g, [0.5, 0.0, -0.5])
+        rest = np.append(rest, [0.0, 0.0])
+        return Chebyshev(quotient), rest[0], rest[1]
+
+    def nodes(self, stick):
+        """Panels that are graded towards both edges, and the distances of their nodes from the edges over half."""
+        c_l, c_r = (c - self.middle for c in stick)
+        offsets = []
+        for gap in ((c_l + self.half) / self.half, (self.half - c_r) / self.half):
+            points = [1.0]
+            while points[-1] > SMALLEST:
+                points.append(points[-1] * (NEAR_RATIO if points[-1] > 0.5 * gap else FAR_RATIO))
+            offsets.append(np.array([*points, 0.0])[::-1])
+        left, right = (Panels.between(o) for o in offsets)
+        points = np.concatenate([self.x_l + self.half * offsets[0], (self.x_r - self.half * offsets[1])[-2::-1]])
+        from_left = np.concatenate([left.nodes, 2 - right.nodes[::-1]])
+        from_right = np.concatenate([2 - left.nodes, right.nodes[::-1]])
+        return Panels.between(points), from_left, from_right
+
+
+def _factor(problem, friction, left, n):
+    """lambda_n of A [(1-t)^a (1+t)^b P_n^(a,b)] = lambda_n P_n^(b,a) half^(1-k), b = left - 1, n > 0."""
+    k = problem.k
+    rising = gamma(k + n) / gamma(k + 1) / gamma(n + 1)
+    return -(problem.bk - friction * problem.d * k) * rising * pi / sin(pi * (left - 1))
+
+
+@lru_cache(maxsize=32)
+def _expansion(a, b, degree):
+    """Gauss-Jacobi nodes and weights, P_{n-1}^(b+1,a+1) at them, and Chebyshev coefficients of P_n^(a,b), n > 0."""
+    t, weight = roots_jacobi(degree + 8, b + 1, a + 1)
+    orders = range(1, degree + 1)
+    basis = np.array([eval_jacobi(n - 1, b + 1, a + 1, t) for n in orders])
+    series = [Chebyshev.interpolate(lambda s, n=n: eval_jacobi(n, a, b, s), degree).coef for n in orders]
+    return t, weight, basis, np.array(series)
