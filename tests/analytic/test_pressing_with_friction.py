@@ -57,6 +57,8 @@ def test_boundary_conditions(case):
     if len(stick):
         expected = values[len(stick) - 1, 1] * (stick / stick[-1]) ** m
         np.testing.assert_allclose(values[: len(stick), 1], expected, atol=1e-7 * abs(edge))
+        np.testing.assert_allclose(values[: len(stick), 1], contact.stick_displacement(stick), atol=1e-6 * abs(edge))
+    assert np.all(np.isnan(contact.stick_displacement(where[where > c])))
 
 
 @pytest.mark.parametrize("case", CASES)

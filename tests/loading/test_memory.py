@@ -8,9 +8,11 @@ from mpi4py import MPI
 from running import COARSE
 from solving import solved
 
+from analytic import PressingWithFriction
 from simulations.api import make_scene
 from simulations.loading.stepping import LoadStepping
 from simulations.runs import checks
+from simulations.runs.comparison import relative_l2
 from simulations.runs.simulation import Simulation
 from simulations.runs.springs import Springs
 
@@ -89,6 +91,19 @@ def test_frictional_work_of_a_coupled_loop_does_not_depend_on_the_steps():
     few, many = simulation.history, run(LOOP, 24, simulation.cells).history
     assert few.dissipated_energy == pytest.approx(many.dissipated_energy, rel=2e-4)
     assert few.entries[-1].surface.traction == pytest.approx(many.entries[-1].surface.traction, abs=1e-8)
+
+
+@pytest.mark.parametrize("k, nu, mu", [(0.0, 0.2, 0.25), (0.0, 0.3, 1.0), (0.3, 0.3, 0.3)])
+def test_pressing_with_friction_is_exact_with_two_steps(k, nu, mu):
+    """Of the self-similar contact, whose points in stick are anchored where it lets them stick."""
+    solid = {"solid.modulus": "power law", "solid.k": k, "solid.nu": nu, "solid.y0_over_a0": 10.0}
+    load = {"load.mu": mu, "load.cycles": 0, "effects.friction_in_normal_stage": True, "solver.normal_increments": 2}
+    simulation = run(LOOP | solid | load, 1)
+    pressed = [entry for entry in simulation.history.entries if entry.increment.branch == "normal"][-1].surface
+    exact = PressingWithFriction(simulation.scaled.solid, simulation.scaled.indenter.analytic(), mu, 1.0)
+    assert relative_l2(pressed.weight, pressed.pressure, exact.pressure(pressed.x)) < 1e-3
+    assert relative_l2(pressed.weight, pressed.traction, exact.traction(pressed.x)) < 4e-3
+    assert not failing(simulation)
 
 
 def test_a_dwell_and_a_return_pass_the_check_of_slip():
