@@ -95,8 +95,12 @@ def wiggles(**changes) -> float:
 
 
 def test_entering_points_are_anchored_where_the_edge_passed_them(monkeypatch):
-    """Pressed on with friction: anchored where the load step began they leave a tooth of traction a load step."""
+    """Pressed on with friction: anchored where the load step began they leave a tooth of traction a load step.
+
+    Under a circle, whose contact does not grow similar to itself: where points stick is not known beforehand.
+    """
     pressed = {"solid__nu": 0.3, "effects__friction_in_normal_stage": "true", "load__cycles": 0}
+    pressed["indenter__profile"] = "circle"
     assert wiggles(**pressed) < checks.WIGGLES
     limit_stepping(monkeypatch, anchor_passes=0)
     assert wiggles(**pressed) > 2 * checks.WIGGLES
