@@ -13,7 +13,7 @@ from .anchors import EnteringPoints
 from .fallbacks import FALLBACKS, Options
 from .schedule import LoadStep
 
-Stuck = Callable[[np.ndarray, float], np.ndarray]
+Stuck = Callable[[float, np.ndarray], np.ndarray]
 
 
 class SolveError(RuntimeError):
@@ -52,7 +52,7 @@ class LoadStepping:
     normal: the frictionless problem; frictional: the one that takes over when tangential loading starts, or from
     the first contact on (``friction_first``), or None; system: function from a problem to the newton.System that
     solves it; tolerance: Newton's, of forces and loads over P; stuck: where points at x (n,) stick while P grows from
-    first contact under friction, as a function of x and P, nan where they do not; None where this is not known.
+    first contact under friction, as a function of P and x, nan where they do not; None where this is not known.
     """
 
     def __init__(
@@ -179,7 +179,7 @@ class LoadStepping:
         entering, options, first_contact = self.entering, self.options, before.P == 0.0
         settled = options.anchors_settled_uncoupled if self._is_uncoupled else options.anchors_settled
         clearance = self._first_clearance() if first_contact else self._clearance()
-        entering.begin(clearance, first_contact, partial(self._stuck, P=after.P) if self._stuck else None)
+        entering.begin(clearance, first_contact, partial(self._stuck, after.P) if self._stuck else None)
         if self._is_uncoupled:
             self._renew_pressure(after)
         tried = self._solve(after)

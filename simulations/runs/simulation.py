@@ -172,7 +172,7 @@ class Simulation(Meshed):
         if not grows_alike or solid.k < 0 or not isinstance(profile, PowerProfile) or on.without_reference:
             return None
         pressing = PressingWithFriction(solid, profile, self.mu, 1.0, STUCK_TERMS)
-        return lambda x, P: replace(pressing, P=P).stick_displacement(x)
+        return lambda P, x: replace(pressing, P=P).stick_displacement(x)
 
     def _far_field(self):
         """Displacement of line loads: far away a coating is not seen."""

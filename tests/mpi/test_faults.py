@@ -66,7 +66,7 @@ def stop(folder, monkeypatch, call=12):
     comm.Barrier()
 
 
-@pytest.mark.parametrize("call", [3, 18], ids=["mesh", "picture"])
+@pytest.mark.parametrize("call", [3, 16], ids=["mesh", "picture"])
 def test_full_disk(call, folder, monkeypatch):
     stop(folder, monkeypatch, call)
     assert not list(folder.rglob("part.*"))
