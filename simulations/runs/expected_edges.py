@@ -22,7 +22,7 @@ FINER_WITH_COUPLING = 3.0  # facets on the way of the edges of stick, where stop
 EARLY, BESIDE = 3.0, 0.1  # finer where the edge of stick stops first, when q is small; so much further inside
 FINEST = 4.0  # the finest on that way with coupling, which k < -0.3 comes to: more takes minutes
 AT_STOPS = 2.0, 0.8  # error of q at k < 0 on the way of the edges of stick, without coupling and with it
-ON_THE_WAY = 0.07, 0.3  # error of p on the contact's way, k >= 0 and k < 0, over that of ``facet`` and k = 0
+ON_THE_WAY = 0.07, 0.15  # error of p on the contact's way, k >= 0 and k < 0, over that of ``facet`` and k = 0
 STOP = 2.0, 4.0  # error of q that a stop may cost (limits.expected_error) over facet², for k >= 0 and k < 0
 FIRST = 3  # facets, either side, in the contact of the first increment with friction
 
