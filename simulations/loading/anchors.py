@@ -64,7 +64,7 @@ class EnteringPoints:
         self._before: Surface = None  # type: ignore[assignment]  # made by ``begin``
         self._after: Surface = None  # type: ignore[assignment]  # as last measured
         self._draws = False  # anchors points that stop where the edge of stick drew them
-        self._stuck = np.full(len(self._x), np.nan)  # where points stick, as far as it is known beforehand
+        self._stuck: np.ndarray = None  # type: ignore[assignment]  # where points stick, as far as it is known
         # from where on the edges of stick drew their curves: before a step, and after it; nan where they did not
         self._start = self._began = dict.fromkeys(SIDES, np.nan)
 
@@ -133,8 +133,7 @@ class EnteringPoints:
         return float(np.abs(new - old)[counts].max() / moved) if moved else 0.0
 
     def ratios(self) -> np.ndarray:
-        """r at the left and the right edge, and from where on the edges of stick draw (4,): what the next step needs.
-        """
+        """What the next step needs (4,): r at both edges of contact, and from where on both edges of stick draw."""
         return np.array([*(self._ratios[side].value for side in SIDES), *(self._start[side] for side in SIDES)])
 
     def take_up(self, ratios: np.ndarray):
