@@ -69,7 +69,7 @@ class PunchFields:
     def stick_slope(self, m):
         """∫_c^∞ u_x'(x) x^-m dx of the punch: u_x/(x|x|^(m-1)) in stick over K C/m."""
         over_slip = self._over_slip(lambda x, rest: x**-m)
-        towards_edge = 1 + self.punch.pressure_panels.power - self.punch.medium.k  # u_x' ends like 1 - x to this, less 1
+        towards_edge = 1 + self.punch.pressure_panels.power - self.punch.medium.k  # one more than u_x' has
         over_slip[-1] = over_slip[-2] / np.expm1(np.log(2) * towards_edge)
         return -self._slopes_outside(m)[0] - np.sum(over_slip)
 

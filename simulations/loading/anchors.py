@@ -9,8 +9,8 @@ from touching: as a point comes closer it moves sideways in proportion,
 where r is measured on points that are open still. In uncoupled contact with a power law, r is alpha dQ/dP as long as
 the surface beside the edge sticks, the same everywhere: then this is exact, however large the step is. Otherwise r
 varies slowly along the surface. Points that slide when they enter and then stop, as the edge of stick follows that of
-contact, are anchored on the curve that this edge draws; where the contact is known to grow similar to itself, where that
-lets them stick.
+contact, are anchored on the curve that this edge draws. Where the contact is known to grow similar to itself, they are
+anchored where that lets them stick.
 
 The state after a step depends on the anchors: solve, measure, anchor, solve again.
 """
