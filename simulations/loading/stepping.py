@@ -102,7 +102,7 @@ class LoadStepping:
         pressed = _pressed_first(schedule) if self._stuck else 0
         for number, step in enumerate(schedule[done:], done):
             self._results, self._ways = [], []
-            if number == pressed:
+            if number >= pressed:
                 self._stuck = None
             if self.problem is not self.frictional and (step.branch != "normal" or self._friction_first):
                 if self._friction_first:  # the frictionless contact of the first step is where Newton starts
