@@ -1,4 +1,4 @@
-"""What a converged run still has to show: balance, contact conditions, no cycling of the active set, no wiggles.
+"""Checks of a converged run: balance, contact conditions, no cycling of the active set, no wiggles.
 
 Numpy only. Each check is a number and the limit that it must not pass. Ordinary runs have them in summary.json.
 """

@@ -1,4 +1,4 @@
-"""Where contact and stick zone will end, before anything is solved: what the mesh is graded to."""
+"""Expected edges of contact and stick zone, before anything is solved: the mesh is graded to them."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
