@@ -66,8 +66,8 @@ def test_compliance_solves_the_whole_body(k):
 
 
 def test_dense_steps_reuse_what_they_know(monkeypatch):
-    """One inverse serves a stage; only rows that neither opened nor slid are multiplied with the compliance matrix again, and
-    those of a node that sticks are kept.
+    """One inverse serves a stage; only rows that neither opened nor slid are multiplied with the compliance
+    matrix again, and those of a node that sticks are kept.
     """
 
     def further_products():
