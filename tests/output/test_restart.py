@@ -19,7 +19,7 @@ from simulations import fretting, indentation
 
 SCENES = {
     "coupled": {"solid__nu": 0.3},
-    "full": {"solver__method": "full", "solid__nu": 0.3},
+    "full": {"solver__method": "full", "solid__nu": 0.3, "load__cycles": 0, "solver__increments": 4},
     "uncoupled": {
         "effects__coupling": "false",
         "solid__nu": 0.3,
