@@ -189,6 +189,7 @@ def test_failed_solve_says_why(tmp_path, ranks):
     assert done.returncode == 3
     lines = [line for line in done.stderr.splitlines() if line.startswith("not converged")]
     assert len(lines) == 1 and "too many iterations" in lines[0]
+    assert " N/m (load step 1 of 11, normal; load.P = 1e+06, load.mu = 0.3, load.amplitude = 0.9)" in lines[0]
     summary = json.loads((tmp_path / "summary.json").read_text())
     assert summary["converged"] is False and "too many iterations" in summary["failure"]
     assert "a" not in summary and "errors" not in summary
