@@ -1,4 +1,4 @@
-"""What a page about a run says in words: the scene in sentences, quantities, checks and phases by their names."""
+"""Words of a page about a run: the scene in sentences, quantities, checks and phases by their names."""
 
 from ..scene import Scene
 from ..scene.effects import Effects

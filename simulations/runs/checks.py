@@ -1,4 +1,4 @@
-"""What a converged run still has to show: balance, contact conditions, no wiggles, and no large error.
+"""Checks of a converged run: balance, contact conditions, no wiggles, no large error.
 
 Numpy only. Each check is a number and the limit that it must not pass. Ordinary runs have them in summary.json.
 """

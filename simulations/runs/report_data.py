@@ -1,4 +1,4 @@
-"""What a finished run is reported by, in SI units: its quantities, its checks, and other solutions beside it."""
+"""Data of a report in SI units: quantities of a finished run, its checks, and other solutions beside it."""
 
 from __future__ import annotations
 
