@@ -74,7 +74,7 @@ class Branch:
                 break
 
     def _add(self, load, state, variables):
-        self._known.append((load, state, variables, self._solver.jacobian))
+        self._known.append((load, state, variables - self._guess(load), self._solver.jacobian))
         self._known.sort(key=lambda known: known[0])
         self.loads = np.array([known[0] for known in self._known])
 
@@ -94,12 +94,12 @@ class Branch:
         near = np.arange(max(i - reach, 0), min(i + reach, len(self.loads)))
         t, at = np.log(self.loads[near]), np.log(load)
         weights = [np.prod((at - np.delete(t, i)) / (t[i] - np.delete(t, i))) for i in range(len(t))]
-        return self._guess(load) + weights @ np.array([self._known[i][2] - self._guess(self.loads[i]) for i in near])
+        return self._guess(load) + weights @ np.array([self._known[i][2] for i in near])
 
     def state(self, Q):
         """State at Q."""
         load = abs(Q - self.base.Q)
-        for known, state, _, _ in self._known:
+        for known, state, *_ in self._known:
             if abs(known - load) < 1e-12 * self.span:
                 return state
         return self._solved(load)[0]

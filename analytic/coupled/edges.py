@@ -11,13 +11,14 @@ LONGEST = 0.3  # change of a variable in one step
 ITERATIONS = 30
 LARGER = 1.3  # how much too large the panels at the ends of stick may be
 CUTS = 3  # steps in a row that would leave no stick, or leave the contact at the turn with it
+SLOW, STALLS = 0.8, 4  # part of the amplitudes that is left after a step with a new Jacobian, and how often that is borne
 GROWTH = 1.5  # of the amplitudes that is borne in a step,
 FREE = 1e-3  # and amplitudes that are borne in any case
 FLAT = 0.03  # derivative of the amplitude at an edge of stick by its own variable; it is 0.1 to 0.3 elsewhere
 MARGIN = 0.01  # over the width of slip, by which a leap goes too far; a tenth of it at the next one
 SHORTER = 0.1  # change of the widths of slip in a guess that leaves no stick
 LEAST = 1e-4  # share of the contact that has to stick
-SETTLED = 3e-9  # largest amplitude (see ``linear.Solution``) at which the edges rest,
+SETTLED = 1e-8  # largest amplitude (see ``linear.Solution``) at which the edges rest,
 BORNE = 1e-7  # and that borne where it falls no further: rounding, where slip has hardly begun
 
 ARRIVAL = "points come into contact in stick"  # and keep the displacement with which they came
@@ -64,7 +65,7 @@ class EdgeSolver:
             self.solves += 1
             return solve(self.problem, self.base, self.friction, self._edges(y, load), panels, Q)
 
-        now, before, fresh, longest, cuts, margin = solution(y), np.inf, False, LONGEST, 0, MARGIN
+        now, before, fresh, longest, cuts, margin, stalls = solution(y), np.inf, False, LONGEST, 0, MARGIN, 0
         for _ in range(ITERATIONS):
             fitting = self._layout(self._edges(y, load))
             if any(used[1] > LARGER * fit[1] for used, fit in zip(panels, fitting, strict=True)):
@@ -73,6 +74,9 @@ class EdgeSolver:
             size = np.abs(now.amplitudes).max()
             if size < SETTLED or (fresh and size > before / 2 and size < BORNE):
                 return now.state, y
+            stalls += fresh and size > SLOW * before
+            if stalls > STALLS:
+                break
             if self.jacobian is None or size > before / 2:
                 # where stick turned before the derivatives jump: those on the side where the root is
                 probes = -np.copysign(PROBE, now.amplitudes)
