@@ -51,7 +51,7 @@ class Branch:
         """Loads between low and high, Chebyshev points in a power of ``_progress``, both ends included or nearly so."""
         first = FIRST * high if low == 0 else low
         first, last = (self._progress(load) ** (1 / POWER) for load in (first, high))
-        count = self.problem.order
+        count = max(self.problem.order, 4)
         v = first + (last - first) * (1 - np.cos(np.pi * np.arange(count) / (count - 1))) / 2
         loads = -self._limit * np.expm1(np.log1p(-(v**POWER)) * (2 + self.problem.k))
         loads[-1] = high
