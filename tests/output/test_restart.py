@@ -31,8 +31,8 @@ SCENES = {
     "friction first": {
         "solid__nu": 0.3,
         "effects__friction_in_normal_stage": "true",
-        "solver__normal_increments": 3,
-        "load__cycles": 0,
+        "solver__normal_increments": 2,
+        "solver__increments": 1,  # a whole cycle: points slide and stick again elsewhere
     },
 }
 POINTS = {"uncoupled path": "effects.coupling = false", "coupled path": "effects.coupling = true"}
