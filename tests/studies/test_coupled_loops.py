@@ -19,7 +19,7 @@ def test_one_loop_and_one_that_is_not_served(monkeypatch):
     row = coupled_loops.solve(loop)
     assert all(0 < row[name] < 1e-3 for name in DIFFERENCES)
     assert row["energy_of_cycle"] > 0 and row["seconds"] > 0
-    assert "into contact in stick" in coupled_loops.solve(loop | {"k": -0.5, "nu": 0.0, "mu": 1.0})["why"]
+    assert "into contact in stick" in coupled_loops.solve(loop | {"k": -0.5, "nu": 0.0, "mu": 1.0, "share": 0.3})["why"]
 
 
 def test_table():
