@@ -29,7 +29,7 @@ class Options:
     anchor_passes: int = 8
     anchors_settled: float = 1e-3
     anchors_settled_uncoupled: float = 1e-5
-    fallbacks: tuple[str, ...] = ("Newton", "guarded Newton", "fixed point")
+    fallbacks: tuple[str, ...] = ("extrapolated Newton", "Newton", "guarded Newton", "fixed point")
     confirm: bool = False
 
 
@@ -50,6 +50,13 @@ class Fallback:
 
     def __str__(self):
         return f"{self.name}: {self.how}, {self.when}; {self.reason}"
+
+
+def extrapolated_newton(newton: Newton, load: Load, options: Options) -> list[NewtonResult]:
+    """Newton's method from the line through the last two states, where the load goes on as it did; else nothing."""
+    if not newton.extrapolation(load):
+        return []
+    return [newton.solve(load, extrapolate=True, confirm=options.confirm)]
 
 
 def newton_as_it_is(newton: Newton, load: Load, options: Options) -> list[NewtonResult]:
@@ -102,8 +109,16 @@ def restrained(newton: Newton) -> Iterator[None]:
 
 FALLBACKS = (
     Fallback(
+        "extrapolated Newton",
+        "first, where the last two load steps went the same way",
+        "semismooth Newton with full steps, from the line through the last two states",
+        "the edges of contact and stick move on nearly as they did",
+        lambda problem: problem.friction,
+        extrapolated_newton,
+    ),
+    Fallback(
         "Newton",
-        "first",
+        "otherwise",
         "semismooth Newton with full steps, from a step in which all points in contact stick",
         "it ends after a few iterations wherever the contact states settle",
         lambda problem: True,

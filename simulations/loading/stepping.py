@@ -143,6 +143,7 @@ class LoadStepping:
                 self.problem.memory.come_to_rest()
             if enters:
                 self.entering.end()
+            self._newton.accept(after)
             return 0
         self._restore(saved)
         first, last = tried[0], tried[-1]
@@ -166,6 +167,8 @@ class LoadStepping:
         for way in FALLBACKS:
             if way.name in self.options.fallbacks and way.applies(self.problem):
                 results = way.solve(self._newton, load, self.options)
+                if not results:
+                    continue
                 self._results += results
                 self._ways.append(way.name)
                 tried.append(results[-1])
