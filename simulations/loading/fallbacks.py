@@ -111,7 +111,7 @@ FALLBACKS = (
     Fallback(
         "extrapolated Newton",
         "first, where the last two load steps went the same way",
-        "semismooth Newton with full steps, from the line through the last two states",
+        "semismooth Newton with full steps and jumps of edges, from the line through the last two states",
         "the edges of contact and stick move on nearly as they did",
         lambda problem: problem.friction,
         extrapolated_newton,

@@ -35,8 +35,8 @@ SETTLED = 1e-11  # force residual / P above which a balanced state gets one more
 ROUNDS = 3  # the same change of contact states as often as this is a cycle (twice may be luck near a singular tangent)
 STEP_TOLERANCE = 1e-11  # a step this small (relative) ends the iteration if round-off holds the residual up ...
 ATTAINABLE = 1e-6  # ... below this
-MOST_FROM_EXTRAPOLATED = 20  # iterations from an extrapolated start: it is as dear as to start anew
-JUMPS = 6  # iterations from an extrapolated start in which edges may jump: what they have not found then they do not find
+MOST_EXTRAPOLATED = 20  # iterations from an extrapolated start, before another start is tried
+JUMPS = 6  # iterations from an extrapolated start in which edges may jump
 FURTHEST = 3.0  # extrapolation, over the last load step
 
 
@@ -222,7 +222,7 @@ class Newton:
         self._accepted = [*self._accepted[-1:], (load, self.x.copy())]
 
     def extrapolation(self, load) -> float:
-        """How far ``load`` lies beyond the last two load steps, over the last one; 0 where it does not on their line."""
+        """How far ``load`` lies beyond the last two load steps, over the last one; 0 where it is not on their line."""
         if len(self._accepted) < 2:
             return 0.0
         before, last = (np.array(load) for load, _ in self._accepted)
@@ -306,7 +306,7 @@ class Newton:
         reason = PETSc.SNES.ConvergedReason
         if not np.isfinite(norms[2]):
             return reason.DIVERGED_FNORM_NAN
-        last = iteration >= (MOST_FROM_EXTRAPOLATED if self._may_jump else snes.getTolerances()[3])
+        last = iteration >= (MOST_EXTRAPOLATED if self._may_jump else snes.getTolerances()[3])
         if self._balanced():
             if force <= SETTLED or iteration == 0 or last or self._polished:
                 return reason.CONVERGED_FNORM_ABS
