@@ -29,7 +29,7 @@ class Options:
     anchor_passes: int = 8
     anchors_settled: float = 1e-3
     anchors_settled_uncoupled: float = 1e-5
-    fallbacks: tuple[str, ...] = ("extrapolated Newton", "Newton", "guarded Newton", "fixed point")
+    fallbacks: tuple[str, ...] = ("jumping Newton", "Newton", "guarded Newton", "fixed point")
     confirm: bool = False
 
 
@@ -52,11 +52,12 @@ class Fallback:
         return f"{self.name}: {self.how}, {self.when}; {self.reason}"
 
 
-def extrapolated_newton(newton: Newton, load: Load, options: Options) -> list[NewtonResult]:
-    """Newton's method from the line through the last two states, where the load goes on as it did; else nothing."""
-    if not newton.extrapolation(load):
-        return []
-    return [newton.solve(load, extrapolate=True, confirm=options.confirm)]
+def jumping_newton(newton: Newton, load: Load, options: Options) -> list[NewtonResult]:
+    """Newton's method with jumps of edges, from the nearest state that is known."""
+    start = {}
+    if not newton.has_solved(load):  # else the state is that of other anchors
+        start = {"extrapolate" if newton.extrapolation(load) else "predict": True}
+    return [newton.solve(load, jump=True, confirm=options.confirm, **start)]
 
 
 def newton_as_it_is(newton: Newton, load: Load, options: Options) -> list[NewtonResult]:
@@ -109,12 +110,13 @@ def restrained(newton: Newton) -> Iterator[None]:
 
 FALLBACKS = (
     Fallback(
-        "extrapolated Newton",
-        "first, where the last two load steps went the same way",
-        "semismooth Newton with full steps and jumps of edges, from the line through the last two states",
-        "the edges of contact and stick move on nearly as they did",
+        "jumping Newton",
+        "first",
+        "semismooth Newton with full steps and jumps of edges, from the line through the last two states, where the load "
+        "turns from a step in which all points in contact stick",
+        "edges move on nearly as they did, and the active set alone would creep to them",
         lambda problem: problem.friction,
-        extrapolated_newton,
+        jumping_newton,
     ),
     Fallback(
         "Newton",

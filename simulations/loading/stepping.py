@@ -167,8 +167,6 @@ class LoadStepping:
         for way in FALLBACKS:
             if way.name in self.options.fallbacks and way.applies(self.problem):
                 results = way.solve(self._newton, load, self.options)
-                if not results:
-                    continue
                 self._results += results
                 self._ways.append(way.name)
                 tried.append(results[-1])

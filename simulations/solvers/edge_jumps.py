@@ -52,29 +52,32 @@ class EdgeJumps:
             turned = (law != OPEN) & ((before - CLOSED) * (law - CLOSED) == -1) & (before != OPEN)
             imposed[turned] = PINNED
             law = np.where(turned, CLOSED, law)
-        edges, used = self._edges(law), self._used
+        against = _against(law)
+        edges, used = self._edges(np.where(against, CLOSED, law)), self._used
         self._states, self._used = law, edges
         if jump and used is not None and edges is not None:
-            new = np.array([self._moved(*pair, side) for pair, side in zip(zip(used, edges), (-1, -1, 1, 1))])
-            for outer, inner in ((0, 3), (1, 2)):
-                middle, half = (edges[outer] + edges[inner]) / 2, NARROWED * (edges[inner] - edges[outer]) / 2
-                new[outer], new[inner] = min(new[outer], middle - half), max(new[inner], middle + half)
-            self._used = new
-            for side, i in ((-1, 1), (1, 2)):
-                sliding = law[(side * self._x > side * edges[i]) & (law != OPEN)]
-                between = (law == CLOSED) & (side * self._x > side * new[i])
-                if new[i] == edges[i]:
-                    continue
-                most = np.sign(np.sum(sliding, dtype=int) - CLOSED * len(sliding))
-                if most:
-                    imposed[between] = DRIVEN_FORWARD if most > 0 else DRIVEN_BACKWARD
-                else:
-                    new[i] = edges[i]
-            if self._lifts and (new[0] != edges[0] or new[3] != edges[3]):
-                imposed[(law != OPEN) & ((self._x < new[0]) | (self._x > new[3]))] = LIFTED
-        for value, state in ((DRIVEN_FORWARD, FORWARD), (DRIVEN_BACKWARD, BACKWARD), (LIFTED, OPEN)):
+            self._used = self._jump(used, edges, np.where(against, CLOSED, law), imposed)
+            imposed[against & (self._x > self._used[1]) & (self._x < self._used[2])] = PINNED
+        for value, state in ((DRIVEN_FORWARD, FORWARD), (DRIVEN_BACKWARD, BACKWARD), (LIFTED, OPEN), (PINNED, CLOSED)):
             self._states = np.where(imposed == value, state, self._states)
         return imposed[self._mine] if np.any(imposed) else None
+
+    def _jump(self, used, edges, law, imposed):
+        """Impose states (n,) on the points between ``edges`` of Coulomb's law and those (4,) returned."""
+        new = np.array([self._moved(*pair, side) for pair, side in zip(zip(used, edges), (-1, -1, 1, 1))])
+        for outer, inner in ((0, 3), (1, 2)):
+            middle, half = (edges[outer] + edges[inner]) / 2, NARROWED * (edges[inner] - edges[outer]) / 2
+            new[outer], new[inner] = min(new[outer], middle - half), max(new[inner], middle + half)
+        for side, i in zip(SIDES, (1, 2)):
+            sliding = law[(side * self._x > side * edges[i]) & (law != OPEN)]
+            most = np.sign(np.sum(sliding, dtype=int) - CLOSED * len(sliding))
+            if not most:
+                new[i] = edges[i]
+            elif new[i] != edges[i]:
+                imposed[(law == CLOSED) & (side * self._x > side * new[i])] = DRIVEN_FORWARD if most > 0 else DRIVEN_BACKWARD
+        if self._lifts and (new[0] != edges[0] or new[3] != edges[3]):
+            imposed[(law != OPEN) & ((self._x < new[0]) | (self._x > new[3]))] = LIFTED
+        return new
 
     def _moved(self, used, law, side):
         """Where the edge is, from those of the last step's states and of the next ones by Coulomb's law."""
@@ -86,16 +89,30 @@ class EdgeJumps:
 
     def _edges(self, states):
         """Left edges of contact and stick, and right ones of stick and contact (4,); None without stick."""
-        contact = np.flatnonzero(states != OPEN)
-        turns = np.flatnonzero(np.diff(np.concatenate([[False], states == CLOSED, [False]]).astype(np.int8)))
-        zones = turns.reshape(-1, 2)
-        zones = zones[np.diff(zones)[:, 0] >= ISLAND * np.count_nonzero(states == CLOSED)]
-        if not len(zones) or contact[0] == 0 or contact[-1] == len(states) - 1:
+        contact, stick = np.flatnonzero(states != OPEN), _stick(states)
+        if stick is None or contact[0] == 0 or contact[-1] == len(states) - 1:
             return None
-        stick = zones[0, 0], zones[-1, 1] - 1
-        x = self._x
-        ends = (contact[0] - 1, stick[0] - 1, stick[-1], contact[-1])
-        return np.array([(x[i] + x[i + 1]) / 2 for i in ends])
+        ends = np.array([contact[0], stick.start, stick.stop, contact[-1] + 1])
+        return (self._x[ends - 1] + self._x[ends]) / 2
 
     def _gathered(self, values):
         return np.concatenate(self._comm.allgather(values))[self._order]
+
+
+def _stick(states: np.ndarray) -> slice | None:
+    """From the first to the last zone of stick; None without stick."""
+    sticks = states == CLOSED
+    turns = np.flatnonzero(np.diff(np.concatenate([[False], sticks, [False]]).astype(np.int8)))
+    zones = turns.reshape(-1, 2)
+    zones = zones[np.diff(zones)[:, 0] >= ISLAND * np.count_nonzero(sticks)]
+    return slice(zones[0, 0], zones[-1, 1]) if len(zones) else None
+
+
+def _against(states: np.ndarray) -> np.ndarray:
+    """Points (bool (n,)) beside the stick zone that slide against most of those on their side."""
+    slides, stick = np.where(states == OPEN, 0, states - CLOSED), _stick(states)
+    against = np.zeros(len(states), bool)
+    if stick is not None:
+        for side in slice(stick.start), slice(stick.stop, None):
+            against[side] = slides[side] * np.sign(np.sum(slides[side], dtype=int)) < 0
+    return against

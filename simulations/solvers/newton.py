@@ -35,8 +35,8 @@ SETTLED = 1e-11  # force residual / P above which a balanced state gets one more
 ROUNDS = 3  # the same change of contact states as often as this is a cycle (twice may be luck near a singular tangent)
 STEP_TOLERANCE = 1e-11  # a step this small (relative) ends the iteration if round-off holds the residual up ...
 ATTAINABLE = 1e-6  # ... below this
-MOST_EXTRAPOLATED = 20  # iterations from an extrapolated start, before another start is tried
-JUMPS = 6  # iterations from an extrapolated start in which edges may jump
+MOST_JUMPING = 20  # iterations of a solve in which edges jump, before another way is tried
+JUMPS = 6  # of these iterations have jumps
 FURTHEST = 3.0  # extrapolation, over the last load step
 
 
@@ -164,7 +164,7 @@ class Newton:
         with_defaults(prefix, SNES_OPTIONS, self.snes.setFromOptions)
         self._polished = False
         self._last_force = np.inf
-        self._scale, self._norms, self._tolerance = 1.0, (np.inf, np.inf), tolerance
+        self._scale, self._norms, self._tolerance, self._round_off = 1.0, (np.inf, np.inf), tolerance, 0.0
         self._states = None
         self._changes: list[int] = []
         self._seen: dict[bytes, int] = {}
@@ -172,14 +172,16 @@ class Newton:
         self._may_jump = False
         self._imposed = system.create_vector()  # residual under imposed contact states
         self._accepted: list[tuple] = []  # loads and unknowns of the last two load steps
+        self._solved = None  # load of the last solve, if it converged
         self.after_linearise = lambda: None  # called with the fields at the iterate
         self.after_residual = lambda: False  # likewise; True where it changed the problem, whose residual is renewed
 
-    def solve(self, load, predict=False, confirm=False, extrapolate=False) -> NewtonResult:
+    def solve(self, load, predict=False, confirm=False, extrapolate=False, jump=False) -> NewtonResult:
         """Balance the line loads ``load`` (fem.load.Load), P > 0.
 
         predict: start with a step in which all points in contact stick; confirm: one more iteration after the last, to
-        see whether contact states still change; extrapolate: start from the line through the last two load steps.
+        see whether contact states still change; extrapolate: start from the line through the last two load steps; jump:
+        let edges of contact and stick jump.
         """
         self._polished = False
         self._begin(load)
@@ -190,8 +192,9 @@ class Newton:
             self.x.axpy(1.0 + share, second)
             self.x.axpy(-share, first)
             self.system.jump()
+        self._may_jump = jump
+        if jump:
             self._jumps.begin()
-        self._may_jump = extrapolate
         if predict:
             with self.system.problem.safeguards.all_stick():
                 self._step()
@@ -207,6 +210,7 @@ class Newton:
             kept.copy(self.x)
             self._residual(self.snes, self.x, self._f)
         self.system.finish(self.x)
+        self._solved = load if code > 0 else None
         return NewtonResult(
             converged=code > 0 and max(self._norms) <= 10 * ATTAINABLE,  # whatever rule of PETSc's ended it
             iterations=self.snes.getIterationNumber() + predict,
@@ -216,6 +220,10 @@ class Newton:
             tolerance=self._tolerance,
             changes=tuple(self._changes),
         )
+
+    def has_solved(self, load) -> bool:
+        """Whether the last solve was one under ``load``, and converged."""
+        return self._solved == load
 
     def accept(self, load):
         """Keep what was solved: a load step has ended."""
@@ -242,8 +250,8 @@ class Newton:
         self._scale = load.P
         self.system.problem.body.stretch(load.strain)
         self.system.begin(load, self.x)
-        attainable = ROUND_OFF * self.system.problem.terms.round_off() / self._scale
-        self._tolerance = min(max(self._wanted, attainable), ATTAINABLE)
+        self._round_off = self.system.problem.terms.round_off() / self._scale
+        self._tolerance = min(max(self._wanted, ROUND_OFF * self._round_off), ATTAINABLE)
 
     def _balanced(self):
         force, imbalance = self._norms
@@ -306,9 +314,10 @@ class Newton:
         reason = PETSc.SNES.ConvergedReason
         if not np.isfinite(norms[2]):
             return reason.DIVERGED_FNORM_NAN
-        last = iteration >= (MOST_EXTRAPOLATED if self._may_jump else snes.getTolerances()[3])
+        last = iteration >= (MOST_JUMPING if self._may_jump else snes.getTolerances()[3])
         if self._balanced():
-            if force <= SETTLED or iteration == 0 or last or self._polished:
+            settled = max(SETTLED, self._round_off if self._changes[-1:] == [0] else 0.0)
+            if force <= settled or iteration == 0 or last or self._polished:
                 return reason.CONVERGED_FNORM_ABS
             self._polished = True
             return reason.CONVERGED_ITERATING

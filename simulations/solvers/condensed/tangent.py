@@ -19,7 +19,7 @@ from .matrix import ComplianceMatrix
 FEW = 0.15  # share of rows that change otherwise before another matrix is inverted
 MANY = 0.04  # share of rows that change before the inverse takes up those replaced so far,
 FEWER = 0.5  # if that leaves less than this share of them
-EXACT = 1e-10  # residual of a step, over the load and over what it is to balance, beyond which it is refined
+EXACT = 1e-10  # residual of a step, over the load, beyond which it is refined
 SOLVED = 1e-6  # relative residual of a step that is worth taking
 SAME = 1e-13  # relative: rows this close to proportional are
 
@@ -130,7 +130,7 @@ class DenseTangent:
             return b, np.inf
         x = self._solve(b)
         residual, defect = self._residual(x, b)
-        if defect < np.inf and np.abs(residual).max() > EXACT * min(load, np.abs(b).max()):
+        if defect < np.inf and np.abs(residual).max() > EXACT * min(load, 1e3 * np.abs(b).max()):
             x = x + self._solve(residual)
             _, defect = self._residual(x, b)
         return x, defect
