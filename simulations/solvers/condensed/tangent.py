@@ -17,7 +17,7 @@ from scipy.sparse import csr_matrix
 from .matrix import ComplianceMatrix
 
 FEW = 0.15  # share of rows that change otherwise before another matrix is inverted
-MANY = 0.04  # share of rows that change before the inverse takes up those replaced so far,
+MANY = 0.15  # share of rows that change before the inverse takes up those replaced so far,
 FEWER = 0.5  # if that leaves less than this share of them
 EXACT = 1e-10  # residual of a step, over the load, beyond which it is refined
 SOLVED = 1e-6  # relative residual of a step that is worth taking
