@@ -112,8 +112,8 @@ FALLBACKS = (
     Fallback(
         "jumping Newton",
         "first",
-        "semismooth Newton with full steps and jumps of edges, from the line through the last two states, where the load "
-        "turns from a step in which all points in contact stick",
+        "semismooth Newton with full steps and jumps of edges, from the line through the last two states; where "
+        "the load turns, from a step in which all points stick",
         "edges move on nearly as they did, and the active set alone would creep to them",
         lambda problem: problem.friction,
         jumping_newton,

@@ -5,7 +5,8 @@ A linear step keeps the contact states that it was made with. Where an edge of t
 distance from the edge, up to e²: B d^(β-1) (d - β e). It vanishes at d = β e, and so the next contact states are off by
 (1 - β) e still. Where the edge lies too far in, the gap (or the slip) beyond it is G d^(β-k) (d - (β-k+1) e), and the
 next edge is too far out by (β-k) e. As both factors are known so is e: states that lie beyond are imposed on the points
-between for one step. The test of what is accepted knows nothing of it.
+between for one step. There points that were made to slide may turn round; they belong to the zone of stick again. The
+test of what is accepted knows nothing of all this.
 """
 
 import numpy as np
@@ -49,14 +50,15 @@ class EdgeJumps:
         law, before = self._gathered(states), self._states
         imposed = np.zeros(len(law))
         if before is not None:  # a point that turns round at once has slid back too far: it sticks in between
-            turned = (law != OPEN) & ((before - CLOSED) * (law - CLOSED) == -1) & (before != OPEN)
+            turned = _sliding(before) * _sliding(law) == -1
             imposed[turned] = PINNED
             law = np.where(turned, CLOSED, law)
         against = _against(law)
-        edges, used = self._edges(np.where(against, CLOSED, law)), self._used
+        zones = np.where(against, CLOSED, law)
+        edges, used = self._edges(zones), self._used
         self._states, self._used = law, edges
         if jump and used is not None and edges is not None:
-            self._used = self._jump(used, edges, np.where(against, CLOSED, law), imposed)
+            self._used = self._jump(used, edges, zones, imposed)
             imposed[against & (self._x > self._used[1]) & (self._x < self._used[2])] = PINNED
         for value, state in ((DRIVEN_FORWARD, FORWARD), (DRIVEN_BACKWARD, BACKWARD), (LIFTED, OPEN), (PINNED, CLOSED)):
             self._states = np.where(imposed == value, state, self._states)
@@ -64,17 +66,17 @@ class EdgeJumps:
 
     def _jump(self, used, edges, law, imposed):
         """Impose states (n,) on the points between ``edges`` of Coulomb's law and those (4,) returned."""
-        new = np.array([self._moved(*pair, side) for pair, side in zip(zip(used, edges), (-1, -1, 1, 1))])
+        new = np.array([self._moved(*pair, side) for *pair, side in zip(used, edges, np.repeat(SIDES, 2))])
         for outer, inner in ((0, 3), (1, 2)):
             middle, half = (edges[outer] + edges[inner]) / 2, NARROWED * (edges[inner] - edges[outer]) / 2
             new[outer], new[inner] = min(new[outer], middle - half), max(new[inner], middle + half)
         for side, i in zip(SIDES, (1, 2)):
-            sliding = law[(side * self._x > side * edges[i]) & (law != OPEN)]
-            most = np.sign(np.sum(sliding, dtype=int) - CLOSED * len(sliding))
+            most = np.sum(_sliding(law)[side * self._x > side * edges[i]])
             if not most:
                 new[i] = edges[i]
             elif new[i] != edges[i]:
-                imposed[(law == CLOSED) & (side * self._x > side * new[i])] = DRIVEN_FORWARD if most > 0 else DRIVEN_BACKWARD
+                between = (law == CLOSED) & (side * self._x > side * new[i])
+                imposed[between] = DRIVEN_FORWARD if most > 0 else DRIVEN_BACKWARD
         if self._lifts and (new[0] != edges[0] or new[3] != edges[3]):
             imposed[(law != OPEN) & ((self._x < new[0]) | (self._x > new[3]))] = LIFTED
         return new
@@ -108,11 +110,15 @@ def _stick(states: np.ndarray) -> slice | None:
     return slice(zones[0, 0], zones[-1, 1]) if len(zones) else None
 
 
+def _sliding(states: np.ndarray) -> np.ndarray:
+    """Which way points slide (n,): 1 along +x, -1 along -x, 0 where they do not."""
+    return np.where(states == OPEN, 0, states.astype(int) - CLOSED)
+
+
 def _against(states: np.ndarray) -> np.ndarray:
-    """Points (bool (n,)) beside the stick zone that slide against most of those on their side."""
-    slides, stick = np.where(states == OPEN, 0, states - CLOSED), _stick(states)
-    against = np.zeros(len(states), bool)
+    """Points (bool (n,)) beside the zones of stick that slide against most of those on their side."""
+    slides, stick, against = _sliding(states), _stick(states), np.zeros(len(states), bool)
     if stick is not None:
         for side in slice(stick.start), slice(stick.stop, None):
-            against[side] = slides[side] * np.sign(np.sum(slides[side], dtype=int)) < 0
+            against[side] = slides[side] * np.sum(slides[side]) < 0
     return against

@@ -37,7 +37,7 @@ class FullSystem:
         body.apply_far_field(load.components)
         self._join(body.state.x.petsc_vec, body.delta.value[self._rigid], x)
 
-    def jump(self):
+    def start_elsewhere(self):
         """The unknowns are the whole state."""
 
     def residual(self, x, f) -> tuple[float, float]:

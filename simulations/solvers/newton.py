@@ -31,12 +31,13 @@ BULK_OPTIONS = {
 BULK_PREFIX = "fretting_bulk_"
 FORCE_TOLERANCE = 1e-9  # force residual and load imbalance / P, where round-off lets them get there
 ROUND_OFF = 4.0  # residuals are balanced this many times above the last digits' own, measured for k from -0.9 to 0
-SETTLED = 1e-11  # force residual / P above which a balanced state gets one more step: what is left of a long first one
+SETTLED = 1e-11  # force residual / P above which a balanced state gets one more step: what is left of a long first one;
+# above round-off where contact states are at rest
 ROUNDS = 3  # the same change of contact states as often as this is a cycle (twice may be luck near a singular tangent)
 STEP_TOLERANCE = 1e-11  # a step this small (relative) ends the iteration if round-off holds the residual up ...
 ATTAINABLE = 1e-6  # ... below this
 MOST_JUMPING = 20  # iterations of a solve in which edges jump, before another way is tried
-JUMPS = 6  # of these iterations have jumps
+JUMPS = 6  # first ones of these, in which they do
 FURTHEST = 3.0  # extrapolation, over the last load step
 
 
@@ -62,8 +63,8 @@ class System(Protocol):
     def begin(self, load, x: PETSc.Vec):
         """Prescribe the line loads and fill ``x`` with the present state."""
 
-    def jump(self):
-        """After ``begin``: start from unknowns that are not those of the present state."""
+    def start_elsewhere(self):
+        """After ``begin``: the unknowns to start from are not those of the present state."""
 
     def residual(self, x: PETSc.Vec, f: PETSc.Vec) -> tuple[float, float]:
         """Fill ``f``; return the norm of the force residual and the largest load imbalance."""
@@ -191,7 +192,7 @@ class Newton:
             self.x.set(0.0)
             self.x.axpy(1.0 + share, second)
             self.x.axpy(-share, first)
-            self.system.jump()
+            self.system.start_elsewhere()
         self._may_jump = jump
         if jump:
             self._jumps.begin()
@@ -210,9 +211,10 @@ class Newton:
             kept.copy(self.x)
             self._residual(self.snes, self.x, self._f)
         self.system.finish(self.x)
-        self._solved = load if code > 0 else None
+        converged = code > 0 and max(self._norms) <= 10 * ATTAINABLE  # whatever rule of PETSc's ended it
+        self._solved = load if converged else None
         return NewtonResult(
-            converged=code > 0 and max(self._norms) <= 10 * ATTAINABLE,  # whatever rule of PETSc's ended it
+            converged=converged,
             iterations=self.snes.getIterationNumber() + predict,
             residual=self._norms[0],
             imbalance=self._norms[1],
@@ -316,7 +318,7 @@ class Newton:
             return reason.DIVERGED_FNORM_NAN
         last = iteration >= (MOST_JUMPING if self._may_jump else snes.getTolerances()[3])
         if self._balanced():
-            settled = max(SETTLED, self._round_off if self._changes[-1:] == [0] else 0.0)
+            settled = max(SETTLED, self._round_off) if self._changes[-1:] == [0] else SETTLED
             if force <= settled or iteration == 0 or last or self._polished:
                 return reason.CONVERGED_FNORM_ABS
             self._polished = True

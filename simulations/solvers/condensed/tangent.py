@@ -19,7 +19,7 @@ from .matrix import ComplianceMatrix
 FEW = 0.15  # share of rows that change otherwise before another matrix is inverted
 MANY = 0.15  # share of rows that change before the inverse takes up those replaced so far,
 FEWER = 0.5  # if that leaves less than this share of them
-EXACT = 1e-10  # residual of a step, over the load, beyond which it is refined
+EXACT = 1e-10, 1e-7  # residual of a step, over the load and over what it is to balance, beyond which it is refined
 SOLVED = 1e-6  # relative residual of a step that is worth taking
 SAME = 1e-13  # relative: rows this close to proportional are
 
@@ -38,7 +38,6 @@ class DenseTangent:
     """Factorises and solves the step for tangents T of one sparsity pattern, on rank 0.
 
     matrix: C; translations: (r, m), those of the m directions; sides: 2 for half of a problem.
-    ``image`` is C times the forces of the last product, after ``solve`` those of its answer.
     """
 
     def __init__(self, matrix: ComplianceMatrix, translations: np.ndarray, sides: float):
@@ -46,7 +45,6 @@ class DenseTangent:
         self._rigid = translations.shape[1]
         self._size = matrix.shape[1]
         self._inverse = np.empty((0, 0))
-        self.image = np.zeros(matrix.shape[0])
         n = self._size // self._rigid
         self._sums = np.hstack([sides * np.kron(np.eye(self._rigid), np.ones(n)), np.zeros((self._rigid, self._rigid))])
         self._base: csr_matrix | None = None
@@ -130,7 +128,7 @@ class DenseTangent:
             return b, np.inf
         x = self._solve(b)
         residual, defect = self._residual(x, b)
-        if defect < np.inf and np.abs(residual).max() > EXACT * min(load, 1e3 * np.abs(b).max()):
+        if defect < np.inf and np.abs(residual).max() > min(EXACT[0] * load, EXACT[1] * np.abs(b).max()):
             x = x + self._solve(residual)
             _, defect = self._residual(x, b)
         return x, defect
@@ -154,8 +152,7 @@ class DenseTangent:
 
     def multiply(self, x: np.ndarray) -> np.ndarray:
         """J x."""
-        self.image = self._matrix.apply(x[: self._size])
-        strip = self.image - self._translations @ x[self._size :]
+        strip = self._matrix.apply(x[: self._size]) - self._translations @ x[self._size :]
         return np.concatenate([x[: self._size] + self._tangent @ strip, self._sums @ x])
 
     def _states(self, tangent):
