@@ -56,6 +56,17 @@ def test_a_point_that_turns_round_sticks_in_between():
     assert found.after(np.where(turned, BACKWARD, before), False) is None  # it may slide back now
 
 
+def test_points_that_slide_against_their_zone_belong_to_stick():
+    """Beside an edge of stick too far in: one node slides on, those beyond it turn round or stick again."""
+    found, e = jumps(0.0), 0.05
+    found.after(states(-1.0, -0.5, 0.6 - e, 0.9), True)
+    again = states(-1.0, -0.5, 0.6, 0.9)
+    against = np.isclose(POINTS, 0.6 - e, atol=SPACING)
+    imposed = found.after(np.where(against, BACKWARD, again), True)
+    assert np.all(imposed[against] == PINNED)
+    assert POINTS[imposed == DRIVEN_FORWARD].min() == pytest.approx(0.6 - e / 3, abs=3 * SPACING)  # e 2/3 further out
+
+
 def test_the_answer_does_not_depend_on_where_a_step_starts(monkeypatch):
     """Every way of starting ends in the same state; the extrapolated one in fewer iterations."""
     keys = {"solid__k": 0.0, "solid__nu": 0.3, "solver__increments": 5}
