@@ -56,17 +56,17 @@ class EdgeJumps:
         against = _against(law)
         zones = np.where(against, CLOSED, law)
         edges, used = self._edges(zones), self._used
-        self._states, self._used = law, edges
         if jump and used is not None and edges is not None:
-            self._used = self._jump(used, edges, zones, imposed)
-            imposed[against & (self._x > self._used[1]) & (self._x < self._used[2])] = PINNED
+            edges = self._jump(used, edges, zones, imposed)
+            imposed[against & (self._x > edges[1]) & (self._x < edges[2])] = PINNED
         for value, state in ((DRIVEN_FORWARD, FORWARD), (DRIVEN_BACKWARD, BACKWARD), (LIFTED, OPEN), (PINNED, CLOSED)):
-            self._states = np.where(imposed == value, state, self._states)
+            law = np.where(imposed == value, state, law)
+        self._states, self._used = law, edges
         return imposed[self._mine] if np.any(imposed) else None
 
     def _jump(self, used, edges, law, imposed):
         """Impose states (n,) on the points between ``edges`` of Coulomb's law and those (4,) returned."""
-        new = np.array([self._moved(*pair, side) for *pair, side in zip(used, edges, np.repeat(SIDES, 2))])
+        new = np.array([self._moved(u, e, side) for u, e, side in zip(used, edges, np.repeat(SIDES, 2))])
         for outer, inner in ((0, 3), (1, 2)):
             middle, half = (edges[outer] + edges[inner]) / 2, NARROWED * (edges[inner] - edges[outer]) / 2
             new[outer], new[inner] = min(new[outer], middle - half), max(new[inner], middle + half)

@@ -166,7 +166,7 @@ class Newton:
         self._polished = False
         self._last_force = np.inf
         self._scale, self._norms, self._tolerance, self._round_off = 1.0, (np.inf, np.inf), tolerance, 0.0
-        self._states = None
+        self._states: np.ndarray | None = None
         self._changes: list[int] = []
         self._seen: dict[bytes, int] = {}
         self._jumps = EdgeJumps(system.problem) if system.problem.friction else None
@@ -275,7 +275,7 @@ class Newton:
     def _linearise(self, snes, x, jacobian, preconditioner):
         self._inverse.right = None
         imposed = None
-        if self._may_jump:
+        if self._may_jump and self._states is not None:
             imposed = self._jumps.after(self._states, snes.getIterationNumber() < JUMPS)
         if imposed is None:
             self.system.linearise(x)

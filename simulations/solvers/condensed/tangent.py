@@ -50,6 +50,8 @@ class DenseTangent:
         self._base: csr_matrix | None = None
         self._first: tuple[np.ndarray, csr_matrix] | None = None  # the first inverse, and its tangent
         self._singular: bool = False
+        self._rows = self._pressing = np.zeros(0, dtype=int)  # rows replaced, and those of their nodes' pressure
+        self._columns = self._lu = self._pivots = np.zeros((0, 0))
         self._known: dict[int, tuple[np.ndarray, np.ndarray]] = {}  # rows of T and of J, by their number
         self.counts = Counts()
 
