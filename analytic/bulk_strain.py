@@ -75,10 +75,10 @@ class StretchedPartialSlip:
         return (self._direction * self.state.mu * contact.solid.alpha * h)[()]
 
     def surface_strain(self, x):
-        """du_x/dx of the surface [1] for |x| <= a, strain included: -dh_x/dx at x - e, [X3].
+        """du_x/dx of the surface [1] for |x| <= a by q and the strain: -dh_x/dx at x - e, [X3]. Tension positive.
 
-        Outside the stick zone, where it is 0. It is largest at the trailing edge x = -a, for k = 0 mu/R times the
-        root of (a + e)² - c². Tension positive.
+        It is 0 in the stick zone and largest at the trailing edge x = -a, for k = 0 mu/R times the root of
+        (a + e)² - c². Off the Holl ratio p strains the surface too; that is not in it.
         """
         contact, k = self.contact, self.contact.solid.k
         x, e, c, _ = self._broadcast(x)

@@ -1,4 +1,4 @@
-"""What the traction remembers of a load path: a polyline in the plane of P and Q, which holds for every contact.
+"""Memory of a load path in the traction: a polyline in the plane of P and Q, which holds for every contact.
 
 Without coupling every traction is a superposition of the pressures of smaller loads, a chain of flat punches of
 half-width s with the density n_x(s) = r n_y(s), |r| <= mu, (18), (27)-(31). With P(s) by (6) as the measure of s, the

@@ -6,7 +6,7 @@ two normal contacts: the actual one and the one whose half-width is the stick ha
 
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -19,6 +19,7 @@ class NormalContact(Protocol):
 
     P: float
     a: float
+    solid: Any  # half-plane or pair: its alpha is asked for
 
     def half_width(self, log_ratio):
         """s [length]."""

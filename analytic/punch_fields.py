@@ -1,7 +1,7 @@
 """Integrals of the flat punch with friction over its half-width, of which self-similar contacts are made."""
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.polynomial.legendre import legfit, legval
@@ -64,30 +64,14 @@ class PunchFields:
 
     def height_slope(self, m):
         """-∫_1^∞ u_y'(x) x^-m dx of the punch: A m/K over C for the profile A|x|^m and dP = C s^(m+k-1) ds."""
-        return self._slopes_outside(m)[1]
+        return _slopes_outside(self.punch, m)[1]
 
     def stick_slope(self, m):
         """∫_c^∞ u_x'(x) x^-m dx of the punch: u_x/(x|x|^(m-1)) in stick over K C/m."""
         over_slip = self._over_slip(lambda x, rest: x**-m)
         towards_edge = 1 + self.punch.pressure_panels.power - self.punch.medium.k  # one more than u_x' has
         over_slip[-1] = over_slip[-2] / np.expm1(np.log(2) * towards_edge)
-        return -self._slopes_outside(m)[0] - np.sum(over_slip)
-
-    def _slopes_outside(self, m):
-        """-∫_1^∞ u'(x) x^-m dx of both displacements, u_x and u_y."""
-        punch, panels, medium = self.punch, self.punch.pressure_panels, self.punch.medium
-        k, total = medium.k, np.zeros(2)
-        for j in range(len(panels.lo)):
-            from_lo, to_hi, weight = panels.nodes(j)
-            if j == len(panels.lo) - 1:
-                t, rest, weight = plain_rule(0.0, panels.power - max(k, 0.0), nodes_for())
-                from_lo, to_hi, weight = (panels.width[j] * v for v in (t, rest, weight))
-            gap = (panels.hi[-1] - panels.hi[j]) + to_hi
-            near, far = _outside(gap, m, k), _outside(2 - gap, m, k)
-            p, q = punch.pressure(j, from_lo, to_hi), punch.traction(j, from_lo, to_hi)
-            total[0] += np.sum(weight * (medium.gk * q * (near - far) + k * medium.d * p * (near + far)))
-            total[1] += np.sum(weight * (medium.bk * p * (near + far) - k * medium.d * q * (near - far)))
-        return total
+        return -_slopes_outside(self.punch, m)[0] - np.sum(over_slip)
 
     # -- the zone of slip --------------------------------------------------------------------------
 
@@ -150,6 +134,24 @@ class PunchFields:
 def _series(coefficients, share):
     """Legendre series, one per row of ``share``, at shares of their panels."""
     return np.stack([legval(2 * s - 1, c) for s, c in zip(share, coefficients.T, strict=True)])
+
+
+@lru_cache(maxsize=64)
+def _slopes_outside(punch, m):
+    """-∫_1^∞ u'(x) x^-m dx of both displacements, u_x and u_y."""
+    panels, medium = punch.pressure_panels, punch.medium
+    k, total = medium.k, np.zeros(2)
+    for j in range(len(panels.lo)):
+        from_lo, to_hi, weight = panels.nodes(j)
+        if j == len(panels.lo) - 1:
+            t, rest, weight = plain_rule(0.0, panels.power - max(k, 0.0), nodes_for())
+            from_lo, to_hi, weight = (panels.width[j] * v for v in (t, rest, weight))
+        gap = (panels.hi[-1] - panels.hi[j]) + to_hi
+        near, far = _outside(gap, m, k), _outside(2 - gap, m, k)
+        p, q = punch.pressure(j, from_lo, to_hi), punch.traction(j, from_lo, to_hi)
+        total[0] += np.sum(weight * (medium.gk * q * (near - far) + k * medium.d * p * (near + far)))
+        total[1] += np.sum(weight * (medium.bk * p * (near + far) - k * medium.d * q * (near - far)))
+    return total
 
 
 def _outside(gap, m, k):

@@ -17,6 +17,7 @@ COMMANDS = {  # name: module, its arguments, what it does
     "cost": ("studies.cost", "", "error against seconds"),
     "bulk_strain": ("studies.bulk_strain", "", "what bulk strain does to traction and stick zone"),
     "coupling": ("studies.coupling", "", "what coupling changes"),
+    "coupled_loops": ("studies.coupled_loops", "", "the reference of coupled loops and its own error"),
     "critical_friction": ("studies.critical_friction", "", "friction above which slip is not unique"),
     "figures": ("studies.figures", "NAME", "the paper's figures"),
     "maps": ("studies.maps", "", "which grading loses least energy"),

@@ -69,6 +69,17 @@ def test_every_command_runs(page, tmp_path, monkeypatch):
 
 
 @pytest.mark.slow
+def test_the_four_lines_of_the_readme():
+    """As they stand, on the default mesh."""
+    section = (ROOT / "README.md").read_text().partition("## Four lines of Python\n")[2].partition("\n## ")[0]
+    lines = re.findall(r"^    (.*)$", section, re.M)
+    assert len(lines) == 4
+    names: dict = {}
+    exec(compile("\n".join(lines), "README.md", "exec"), names)
+    assert max(map(abs, names["result"].errors().values())) < 1e-3
+
+
+@pytest.mark.slow
 def test_the_tutorial(tmp_path, monkeypatch):
     """Its own numbers: the integral of 4 q h_x is the work of friction, and energies are those of the closed form."""
     monkeypatch.chdir(tmp_path)

@@ -4,14 +4,13 @@ from functools import cached_property
 
 import numpy as np
 from numpy.polynomial import Chebyshev
-from numpy.polynomial.legendre import leggauss
 from scipy.optimize import brentq
 
 from ..half_plane.linear import ContactNotConverged
 from .edges import EdgeSolver, edges_of, variables_of
+from .panels import gauss
 from .problem import NormalStage
 
-FEWER = 2  # loads than the order of the basis, at which a part of a branch is solved to begin with
 FIRST = 0.02  # the least of them over the span of the branch,
 FIRST_BORNE = 0.3  # and the least that must have a solution
 POWER = 1.5  # of the variable in which the loads are spread, see ``Branch._spread``
@@ -52,7 +51,7 @@ class Branch:
         """Loads between low and high, Chebyshev points in a power of ``_progress``, both ends included or nearly so."""
         first = FIRST * high if low == 0 else low
         first, last = (self._progress(load) ** (1 / POWER) for load in (first, high))
-        count = max(self.problem.order - FEWER, 4)
+        count = max(self.problem.order, 4)
         v = first + (last - first) * (1 - np.cos(np.pi * np.arange(count) / (count - 1))) / 2
         loads = -self._limit * np.expm1(np.log1p(-(v**POWER)) * (2 + self.problem.k))
         loads[-1] = high
@@ -75,7 +74,7 @@ class Branch:
                 break
 
     def _add(self, load, state, variables):
-        self._known.append((load, state, variables, self._solver.jacobian))
+        self._known.append((load, state, variables - self._guess(load), self._solver.jacobian))
         self._known.sort(key=lambda known: known[0])
         self.loads = np.array([known[0] for known in self._known])
 
@@ -86,7 +85,8 @@ class Branch:
         return self._solver.state(Q, self.guessed(load))
 
     def guessed(self, load):
-        """Variables of the edges at a distance from the turn, interpolated over the logarithm of the load."""
+        """Variables of the edges at a distance from the turn: the guess, and what it lacks at known states, between
+        which this is interpolated over the logarithm of the load."""
         if not len(self.loads):
             return self._guess(load)
         i = int(np.searchsorted(self.loads, load))
@@ -94,12 +94,12 @@ class Branch:
         near = np.arange(max(i - reach, 0), min(i + reach, len(self.loads)))
         t, at = np.log(self.loads[near]), np.log(load)
         weights = [np.prod((at - np.delete(t, i)) / (t[i] - np.delete(t, i))) for i in range(len(t))]
-        return weights @ np.array([self._known[i][2] for i in near])
+        return self._guess(load) + weights @ np.array([self._known[i][2] for i in near])
 
     def state(self, Q):
         """State at Q."""
         load = abs(Q - self.base.Q)
-        for known, state, _, _ in self._known:
+        for known, state, *_ in self._known:
             if abs(known - load) < 1e-12 * self.span:
                 return state
         return self._solved(load)[0]
@@ -162,7 +162,7 @@ class Branch:
 
     def _motion_integral(self, load):
         """∫ (delta_x since the turn) over the load, from the turn."""
-        g, w = leggauss(WORK_NODES)
+        g, w = gauss(WORK_NODES)
         total = 0.0
         for low, high, motion in zip(self.parts, self.parts[1:], self._motion, strict=False):
             high = min(high, load)
@@ -197,7 +197,7 @@ class Branch:
 
 def smooth_rule(low, high, breaks):
     """Nodes and weights between low and high for functions with weak singularities at the ``breaks``."""
-    g, w = leggauss(WORK_NODES)
+    g, w = gauss(WORK_NODES)
     t = (1 + g) / 2
     points = np.unique([low, *[x for x in breaks if low < x < high], high])
     a, length = points[:-1, None], np.diff(points)[:, None]

@@ -14,7 +14,7 @@ from .weight import Contact
 class Solution:
     """State for assumed edges, and the amplitudes at x_l, c_l, c_r, x_r of tractions without bound.
 
-    At an edge of contact that of p, at an edge of stick that of friction p - q; all vanish at the right edges.
+    At an edge of contact that of p, at an edge of stick that of |friction| p - |q|; all vanish at the right edges.
     They are scaled to approximate displacements of the edges over the widths of the zones of slip.
     """
 
@@ -88,7 +88,7 @@ def solve(problem, base, friction, edges, layout, Q) -> Solution:
         right[n : n + 3] -= of_p[0], of_r[0], -beta / np.pi / contact.half * over_w[0]
     u = np.linalg.solve(A, right)
     at_left, at_right = u[n] - u[n + 1], u[n] + u[n + 1]
-    at_stick = stick.amplitudes(u[:n])
+    at_stick = np.sign(f) * stick.amplitudes(u[:n])
     widths = np.array([c_l - x_l, c_l - x_l, x_r - c_r, x_r - c_r])
     scale = contact.half / D(0.0) / 2
     amplitudes = np.array([at_left * scale, *at_stick, at_right * scale]) / widths

@@ -12,7 +12,8 @@ from numpy.polynomial.legendre import leggauss, legvander
 NODES = 16  # of a panel
 NEAR = 0.15  # distance from a panel over its length below which the kernel is integrated over a polynomial
 EXPM1 = 0.05  # |k| below which R needs expm1
-GAUSS, GAUSS_WEIGHT = leggauss(NODES)
+gauss = lru_cache(leggauss)  # nodes and weights of the Gauss rule with so many nodes on (-1, 1)
+GAUSS, GAUSS_WEIGHT = gauss(NODES)
 # coefficients of Legendre polynomials from values at the Gauss nodes
 TO_LEGENDRE = legvander(GAUSS, NODES - 1).T * GAUSS_WEIGHT * (np.arange(NODES)[:, None] + 0.5)
 
@@ -117,7 +118,7 @@ class Panels:
     def _near(self, x, j, k):
         """Weights (pairs, NODES) of panel j for a point x in it or close by: the parts on both sides of x."""
         local = (x - self.middle[j]) / self.half[j]
-        even, odd = np.zeros((2, len(x), NODES))
+        result = np.zeros((len(x), 2, NODES))
         v, base = (1 + GAUSS) / 2, singular_weights(k)
         for end in (-1.0, 1.0):
             reach = end - local  # from x to this end of the panel, in half lengths
@@ -128,11 +129,11 @@ class Panels:
             at_end = even_kernel(length, k)[:, None]
             part = (1 + k * at_end) * base + at_end * (GAUSS_WEIGHT / 2)
             power = (1 + k * at_end) * (GAUSS_WEIGHT / 2 + k * base)
-            values = legvander(local[:, None] + reach[:, None] * v, NODES - 1)
-            part, power = (np.einsum("pn,pnl->pl", w * (length * here)[:, None], values) for w in (part, power))
-            even += (end * np.sign(reach))[:, None] * part
-            odd -= end * power
-        return even @ TO_LEGENDRE, odd @ TO_LEGENDRE
+            parts = np.stack([part * (end * np.sign(reach))[:, None], -end * power], axis=1)
+            at = (local[:, None] + reach[:, None] * v).ravel()
+            values = legendre(at, NODES).reshape(NODES, len(x), NODES).transpose(1, 2, 0)
+            result += (parts * (length * here)[:, None, None]) @ values
+        return np.moveaxis(result @ TO_LEGENDRE, 1, 0)
 
 
 def _near_cauchy(x):

@@ -1,4 +1,4 @@
-"""Where contact and stick will end during fretting: a quick estimate with coupling, to which a mesh can be graded."""
+"""Quick estimate, with coupling, of where contact and stick will end during fretting: a mesh can be graded to it."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""What an increment of the contact solver returns, and what it leaves behind for the next one."""
+"""State of the contact solver after an increment, and the memory that the next increment needs."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

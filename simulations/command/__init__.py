@@ -1,4 +1,4 @@
-"""What every command shares: its command line, its progress lines, and how it ends."""
+"""Shared by all commands: command line, progress lines, and the ways to end."""
 
 from .stopping import stopping
 

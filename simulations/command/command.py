@@ -1,4 +1,4 @@
-"""What every command shares: rank 0 alone reads, checks and speaks; and every command ends well.
+"""Start and end of every command: rank 0 alone reads, checks and speaks.
 
 Each kind of ending has an exit code and one line on stderr: wrong input 2, no solution 3, failing checks 4, results
 that cannot be written 5, a signal 128 and its number (``stopping``). Anything unforeseen ends with 1 and aborts all

@@ -1,4 +1,4 @@
-"""What a run says while it goes: each phase and its seconds, a line an increment with the time left; on a terminal one
+"""Progress lines of a run: each phase and its seconds, a line an increment with the time left; on a terminal one
 line, written over.
 """
 

@@ -1,4 +1,4 @@
-"""How a command ends when a signal asks it to: at once, with one line that says how to go on, and its own exit code.
+"""End of a command by a signal: at once, with one line that says how to go on, and an exit code of its own.
 
 States are kept after every increment, each file whole or not at all, so that nothing is lost by ending anywhere. No
 exception is raised for it: libraries in the middle of their work lose or misreport those. The handler, or a thread

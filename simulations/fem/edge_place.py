@@ -1,4 +1,4 @@
-"""Where in its facet an edge of contact or stick costs least.
+"""Place in its facet at which an edge of contact or stick costs least accuracy.
 
 Beside an edge at x = e a traction is like (e - x)^β, β = (1+k)/2, (44), (47). The surface nodes carry it with the
 weights of the Gauss-Lobatto rule of every facet. What this rule misses is φ(t) h^(1+β), with h the facet and t the

@@ -1,4 +1,4 @@
-"""What keeps Newton's method from cycling under friction; nothing of it is in the test of what is accepted.
+"""Safeguards against cycling of Newton's method under friction; none of them is in the test of what is accepted.
 
 Predictor: all points in contact stick. Last iterate: no point turns from sliding one way to sliding the other without
 sticking in between, and a pinned point does not slide. Lagged pressure: friction is limited by a pressure kept.

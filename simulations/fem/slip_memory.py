@@ -1,4 +1,4 @@
-"""What friction remembers from one load step to the next: where every surface point last came to rest."""
+"""Slip memory of friction: the anchor of every surface point, where it last came to rest."""
 
 import numpy as np
 

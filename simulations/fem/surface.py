@@ -1,4 +1,4 @@
-"""What a state shows on the surface: pressure, traction, slip, edges of contact and stick, dissipated energy."""
+"""Surface quantities of a state: pressure, traction, slip, edges of contact and stick, dissipated energy."""
 
 from dataclasses import dataclass
 

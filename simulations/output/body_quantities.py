@@ -1,4 +1,4 @@
-"""What files say of a state of the body: displacement, stresses and what follows from them, SI units.
+"""Quantities of the body in files: displacement, stresses and what follows from them, SI units.
 
 Axes of the files: x along +Q, y upwards, out of the body, whose surface is y = 0.
 """

@@ -1,4 +1,4 @@
-"""What a killed run leaves for the next one: the states so far and the memory that the next increment needs.
+"""Checkpoint of a run: the states so far and the memory that the next increment needs, for going on after a kill.
 
 Two files in ``checkpoint/``. ``states.bin`` has a record of fixed size for every increment, each written once at its
 own place; ``memory.npz`` is replaced whole after every increment and says how many records count, with the checksum of

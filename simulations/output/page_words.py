@@ -1,4 +1,4 @@
-"""What a page about a run says in words: the scene in sentences, quantities, checks and phases by their names."""
+"""Words of a page about a run: the scene in sentences, quantities, checks and phases by their names."""
 
 from ..scene import Scene
 from ..scene.effects import Effects
@@ -23,6 +23,10 @@ CHECKS = {
     "slip against q": "work that sliding points gain from friction, over the most they can lose",
     "pressure wiggles": "pressure going up and down from node to node, over its range",
     "traction wiggles": "traction going up and down from node to node, over its range",
+    "error of pressure": "error of the pressure at the worst state, less what the reference's own error explains",
+    "error of traction": "the same of the traction",
+    "error of a": "the same of the contact half-width",
+    "error of dissipated_energy": "the same of the dissipated energy",
 }
 PHASES = {
     "edges": "rough solution for the edges",

@@ -1,4 +1,4 @@
-"""How the pictures look, in one place: fonts, colours, markers, sizes, files."""
+"""Style of all pictures in one place: fonts, colours, markers, sizes, files."""
 
 import os
 from contextlib import contextmanager

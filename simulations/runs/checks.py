@@ -1,4 +1,4 @@
-"""What a converged run still has to show: balance, contact conditions, no cycling of the active set, no wiggles.
+"""Checks of a converged run: balance, contact conditions, no wiggles, no large error.
 
 Numpy only. Each check is a number and the limit that it must not pass. Ordinary runs have them in summary.json.
 """
@@ -76,6 +76,18 @@ def check(
     if wiggling and cause:
         checks[wiggling[-1]] = replace(checks[wiggling[-1]], cause=cause())
     return checks
+
+
+def check_errors(errors: dict[str, float], own: dict[str, float]) -> dict[str, Check]:
+    """Checks of a run's errors beside its reference, by the names of ``comparison.compare``; nan is not known.
+
+    own: of these errors what is the reference's, which is in them and may have made them as much larger again.
+    """
+    known = {name: abs(errors[name]) for name in ERRORS if not np.isnan(errors.get(name, np.nan))}
+    sure = {name: max(error - 2 * own.get(name, 0.0), 0.0) for name, error in known.items()}
+    found = {f"error of {name.removesuffix('_l2')}": Check(error, ERRORS[name]) for name, error in sure.items()}
+    failing = [name for name in found if not found[name].holds]
+    return found | {name: replace(found[name], cause=LARGE) for name in failing[:1]}
 
 
 def hold(checks: dict[str, Check]) -> bool:
@@ -168,6 +180,8 @@ def still_changing(history: History) -> int:
     return max((entry.changes[-1] for entry in history.entries if entry.changes), default=0)
 
 
+ERRORS = {"pressure_l2": 0.1, "traction_l2": 0.1, "a": 0.05, "dissipated_energy": 0.05}  # a run is wrong beyond these
+LARGE = "finer facets (mesh.facet, mesh.edge_facet) or more load steps (solver.increments) make errors smaller"
 OPEN = 1e-3  # an open point is held by its traction, which is not quite zero
 WRONG_SLIP = 1e-4  # measured below 1e-6
 SMALL = 1e-3  # motion over the largest below which a load step moves nothing

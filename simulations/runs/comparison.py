@@ -56,6 +56,17 @@ def compare(history: History, reference: Reference) -> dict[str, float]:
     return deviation
 
 
+def own_errors(history: History, reference: Reference) -> dict[str, float]:
+    """What of the errors of ``compare`` and ``worst`` is the reference's own, the largest; {} of an exact one."""
+    coarser = reference.coarser
+    if coarser is None:
+        return {}
+    states = [apart(entry, coarser, reference) for entry in all_states(history)]
+    found = {name: float(np.nanmax([state[name] for state in states])) for name in states[-1]}
+    energy = reference.dissipated_energy()
+    return found | ({"dissipated_energy": abs((coarser.dissipated_energy() or 0.0) / energy - 1)} if energy else {})
+
+
 def worst(history: History, reference: Reference) -> dict[str, float]:
     """The largest field deviations over every state of the last cycle, or of the run where there is none."""
     states = [compare_state(entry, reference) for entry in all_states(history)]

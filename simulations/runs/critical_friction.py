@@ -87,8 +87,9 @@ def cause(simulation: Simulation) -> str:
     scene = simulation.scene
     critical, own = expected(scene, simulation.effects), of_mesh(simulation)
     elastic_slip = ELASTIC_SLIP * scene.mu * simulation.scaled.scales.displacement
-    remedy = f"effects.elastic_slip = {elastic_slip:.1g} m, a smaller load.mu or another mesh.degree may help"
-    smoother = f"effects.elastic_slip = {elastic_slip:.1g} m or fewer solver.increments may help"
+    slip = f"effects.elastic_slip = {elastic_slip:.1g} m"
+    remedy = f"{slip}, a smaller load.mu or another mesh.degree may help"
+    smoother = f"{slip}, a smaller mesh.edge_facet or fewer solver.increments may help"
     if scene.solver.theta > 0:
         return f"with solver.theta = {scene.solver.theta} not every gamma0 is stable: {OTHER_METHOD}"
     if critical is None:

@@ -1,4 +1,4 @@
-"""Where contact and stick zone will end, before anything is solved: what the mesh is graded to."""
+"""Expected edges of contact and stick zone, before anything is solved: the mesh is graded to them."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -124,14 +124,16 @@ def expected_edges(
 
 
 def _stops(states) -> tuple[Stop, ...]:
-    """Of states of a SpringPath under the P of the first, each edge once."""
+    """Of states of a SpringPath in a loop under the P of the first, each edge once."""
     a, mu = states[0].contact_half_width, states[0].memory.mu
-    x = a * np.linspace(-1.0, 1.0, SAMPLES + 2)[1:-1]
+    x = a * np.linspace(-1.0, 1.0, SAMPLES + 2)[SAMPLES // 2 + 1 : -1]  # half of them: p and q are even
     limit = mu * np.linalg.norm(states[0].pressure(x))
     shares: dict[float, float] = {}
+    seen = set()  # on the way up q is what it was on the way down, with the other sign
     for state in states:
         c = round(state.stick_half_width / a, 9)
-        if state.P == states[0].P and c < 1.0:
+        if state.P == states[0].P and c < 1.0 and (c, len(state.memory.P)) not in seen:
+            seen.add((c, len(state.memory.P)))
             kink = 1.0 if len(state.memory.P) <= 3 else 2.0  # where slip has turned, q changes by 2 mu p
             share = float(np.linalg.norm(state.traction(x)) / limit / kink)
             shares[c] = min(share, shares.get(c, share))

@@ -1,4 +1,4 @@
-"""What a scene will simulate, before anything is solved."""
+"""Text of --explain: the physics that a scene will simulate, before anything is solved."""
 
 from forms.contact import X, Y
 

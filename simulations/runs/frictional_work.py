@@ -7,6 +7,7 @@ like between two states is known to leading order, and weighs the pressures befo
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.integrate import cumulative_trapezoid
 
 from ..fem.surface import SurfaceState
 
@@ -54,6 +55,29 @@ def frictional_work(before: Moment, after: Moment, mu: float, k: float, earlier:
     mean = np.where(enters | leaves, (p0 + p1) * 2.0 / (5.0 + k), mean)
     q = mu * mean * np.where(leaves, was, now)
     return -q * moved
+
+
+def work_of_pressing(after: Moment, mu: float, k: float, m: float) -> np.ndarray:
+    """Energy per area of surface (n,) since first contact of a profile |x|^m that is pressed on with friction.
+
+    Such a contact grows similar to itself [X6]: p = a^(m+k-1) p_1(x/a) and u_x = a^m u_1(x/a), so that its last state
+    tells of all earlier ones,
+
+        ∫ mu p |du_x| = |x|^(2m+k-1) ∫_|x|^a g(ξ) ξ^-(2m+k) dξ,    g = mu p |m u_x - x u_x'|,
+
+    which is zero where points stick, u_x ~ x|x|^(m-1). Load steps are no part of it.
+    """
+    x, power = after.surface.x, 2.0 * m + k
+    rate = m * after.s - x * np.gradient(after.s, x)
+    g = np.where(after.sliding(mu) != 0, mu * after.surface.pressure * np.abs(rate), 0.0)
+    work = np.zeros(len(x))
+    for side in (-1, 1):
+        outwards = np.flatnonzero(side * x > 0)[::side]
+        distance = np.abs(x[outwards])
+        pieces = g[outwards] / distance**power
+        inwards = cumulative_trapezoid(pieces[::-1], -distance[::-1], initial=0.0)[::-1]
+        work[outwards] = distance ** (power - 1.0) * inwards
+    return work
 
 
 def growth(slip_before, slip) -> np.ndarray:

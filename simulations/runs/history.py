@@ -7,7 +7,7 @@ import numpy as np
 from ..fem.surface import SurfaceState, fitted_contact_edges, fitted_stick_edges
 from ..loading.schedule import LoadStep
 from ..loading.stepping import Outcome
-from .frictional_work import Moment, frictional_work
+from .frictional_work import Moment, frictional_work, work_of_pressing
 
 SEPARATED, STICK, SLIP = 0, 1, 2  # contact states in files
 
@@ -55,10 +55,15 @@ class Entry:
 
 @dataclass
 class History:
-    """Entries of a run so far. k and mu are the grading and the coefficient of friction (0: no tangential problem)."""
+    """Entries of a run so far. k and mu are the grading and the coefficient of friction (0: no tangential problem).
+
+    m: of an indenter |x|^m whose contact grows similar to itself while it is pressed on with friction; None where it
+    does not.
+    """
 
     k: float
     mu: float
+    m: float | None = None
     entries: list[Entry] = field(default_factory=list)
 
     def append(self, outcome: Outcome, surface: SurfaceState, seconds: float) -> Entry:
@@ -68,8 +73,8 @@ class History:
         stick, work = contact, np.zeros_like(s)
         if self.friction and np.any(surface.traction):
             stick = fitted_stick_edges(surface, self.mu, increment.direction, self.k)
-        if self.entries:
-            work = self.entries[-1].work + self._work(Moment(surface, contact))
+        if self.friction:
+            work = self._work(increment, Moment(surface, contact))
         if increment.branch == "normal":
             self._rest = s
         entry = Entry(
@@ -92,11 +97,16 @@ class History:
         self.entries.append(entry)
         return entry
 
-    def _work(self, after: Moment) -> np.ndarray | float:
-        if not self.friction:
-            return 0.0
+    def _work(self, step: LoadStep, after: Moment) -> np.ndarray:
+        """Frictional work (n,) since the start."""
+        loads = [0.0, *(entry.increment.P for entry in self.entries), step.P]
+        if self.m and step.branch == "normal" and all(a < b for a, b in zip(loads, loads[1:])):
+            return work_of_pressing(after, self.mu, self.k, self.m)
+        if not self.entries:
+            return np.zeros_like(after.s)
         *earlier, before = (Moment(e.surface, e.contact) for e in self.entries[-2:])
-        return frictional_work(before, after, self.mu, self.k, earlier[0] if earlier else None)
+        work = frictional_work(before, after, self.mu, self.k, earlier[0] if earlier else None)
+        return self.entries[-1].work + work
 
     @property
     def friction(self) -> bool:

@@ -1,4 +1,4 @@
-"""What the method cannot do, said by name before anything is solved: SceneError with the key and what would do.
+"""Limits of the method, named before anything is solved: SceneError with the key and a value that would do.
 
 Every limit is measured (docs/stability.md). All lengths are in contact half-widths.
 """
@@ -89,7 +89,7 @@ def check_size(scene: Scene, cells: Grading, columns: int, layers: int):
         )
     if scene.solver.method == "condensed":
         nodes = degree * min(columns, 2 * cells.strip / min(cells.facet, cells.edge_facet))
-        # response of the strip; the dense Jacobian, its factors and the rows of it that are kept
+        # compliance matrix of the strip; the dense Jacobian, its factors and the rows of it that are kept
         size = 8e-9 * nodes * (12 * nodes + 16 * nodes)
         if size > MOST_MATRIX:
             raise SceneError(

@@ -1,4 +1,4 @@
-"""What the next load step depends on, gathered on rank 0 as arrays that fit any number of ranks, and put back."""
+"""Memory that the next load step needs, gathered on rank 0 as arrays that fit any number of ranks, and put back."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a scene asks for before anything is meshed: scaled problem, closed forms, load schedule, wanted cell sizes."""
+"""Plan of a run before anything is meshed: scaled problem, closed forms, load schedule, wanted cell sizes."""
 
 from analytic import StretchedLoop
 

@@ -1,4 +1,4 @@
-"""What a run is measured against: closed forms where they are exact, the mesh-free solver for everything else.
+"""Reference of a run: closed forms where they are exact, the mesh-free solver for everything else.
 
 A reference answers for the states of a history; dimensionless, like the history. It shares neither the mesh nor the
 load steps of the run.

@@ -1,4 +1,4 @@
-"""What a finished run is reported by, in SI units: its quantities, its checks, and other solutions beside it."""
+"""Data of a report in SI units: quantities of a finished run, its checks, and other solutions beside it."""
 
 from __future__ import annotations
 
@@ -62,6 +62,9 @@ def find(simulation: Simulation, tell: reference.Tell | None = None) -> Findings
     found = checks.check(
         history, simulation.scaled.indenter.height, coupled, lambda: critical_friction.cause(simulation)
     )
+    if exact:
+        own = comparison.own_errors(history, exact.other)
+        found |= checks.check_errors(exact.deviations | exact.worst, own)
     return Findings(quantities(simulation), found, exact, why_none, neglecting)
 
 

@@ -87,13 +87,19 @@ class Simulation(Meshed):
                 directions = (X, Y) if "coupling" in self.effects else (X,)
                 elastic = self.scaled.elastic_compliance(scene) if "elastic slip (regularised)" in self.effects else 0.0
                 frictional = ContactProblem(self.body, indenter.height, nitsche, directions, self.mu, elastic)
+        pressing = self.pressing_with_friction()
         self.solver = LoadStepping(
-            normal, frictional, self._system, "friction in normal stage" in self.effects, tolerance, self._stuck()
+            normal,
+            frictional,
+            self._system,
+            "friction in normal stage" in self.effects,
+            tolerance,
+            _stuck(pressing) if pressing else None,
         )
         self.body.delta.value[Y] = indenter.height(1.0)  # overlap on |x| < a: where Newton starts
         self.sampler = SurfaceSampler(self.body, normal, scene.friction and "coupling" not in self.effects)
         self.resumed = 0  # times
-        self.history = History(k=scene.k, mu=self.mu)
+        self.history = History(scene.k, self.mu, indenter.order if pressing else None)
 
     def _ordinates(self):
         """Columns and layers of the mesh."""
@@ -164,15 +170,13 @@ class Simulation(Meshed):
     def _compliance(self):
         return SurfaceCompliance(self.body)
 
-    def _stuck(self):
-        """Where points stick in a contact that grows under friction, similar to itself; None where it does not."""
-        on, solid, profile = self.effects, self.scaled.solid, self.scaled.indenter.analytic()
-        grows_alike = "friction in normal stage" in on and "coupling" in on and self.scene.is_power_law
-        # for k < 0 the mesh's own edge of stick lies further inside than the exact one, and points between would zigzag
-        if not grows_alike or solid.k < 0 or not isinstance(profile, PowerProfile) or on.without_reference:
+    def pressing_with_friction(self) -> PressingWithFriction | None:
+        """The exact contact under P = 1 where it is pressed on with friction and grows similar to itself, else None."""
+        on, profile = self.effects, self.scaled.indenter.analytic()
+        alike = "friction in normal stage" in on and "coupling" in on and self.scene.is_power_law
+        if not alike or not isinstance(profile, PowerProfile) or on.without_reference:
             return None
-        pressing = PressingWithFriction(solid, profile, self.mu, 1.0, STUCK_TERMS)
-        return lambda P, x: replace(pressing, P=P).stick_displacement(x)
+        return PressingWithFriction(self.scaled.solid, profile, self.mu, 1.0, STUCK_TERMS)
 
     def _far_field(self):
         """Displacement of line loads: far away a coating is not seen."""
@@ -186,6 +190,14 @@ class Simulation(Meshed):
             return point_force_displacement(solid, x, y, fixed_depth=fixed_depth, **load)
 
         return displacement
+
+
+def _stuck(pressing: PressingWithFriction):
+    """Where points stick while P grows, as a function of P and x; None where it is not known."""
+    # for k < 0 the mesh's own edge of stick lies further inside than the exact one, and points between would zigzag
+    if pressing.solid.k < 0:
+        return None
+    return lambda P, x: replace(pressing, P=P).stick_displacement(x)
 
 
 def failure_in_si(simulation: Simulation, reason) -> str:

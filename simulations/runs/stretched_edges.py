@@ -1,4 +1,4 @@
-"""Where contact and stick zone will end under bulk strain, before anything is solved: what the mesh is graded to."""
+"""Expected edges of contact and stick zone under bulk strain: the mesh is graded to them."""
 
 import numpy as np
 

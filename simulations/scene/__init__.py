@@ -1,4 +1,4 @@
-"""What is asked: the scene, checked, resolved to numbers and scaled; which effects are on, and why."""
+"""The scene: checked, resolved to numbers and scaled; which effects are on, and why."""
 
 from .errors import SceneError, one_line, shown
 from .reading import DEFAULT_SCENE, language, make_scene, parse

@@ -1,4 +1,4 @@
-"""What a run writes of the body: states, fields, lines and points; the table [output]."""
+"""The table [output]: states, fields, lines and points of the body that a run writes."""
 
 from typing import Annotated, ClassVar, Literal
 

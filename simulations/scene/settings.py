@@ -1,4 +1,4 @@
-"""How a scene is solved: mesh, solver, reference, and switches of effects, one frozen model each."""
+"""Settings of the solution: mesh, solver, reference, and switches of effects, one frozen model each."""
 
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal

@@ -1,4 +1,4 @@
-"""What every table of a scene is: a frozen model whose refusals are one line with key, value and what is allowed."""
+"""Base of every table of a scene: a frozen model whose refusals are one line with key, value and what is allowed."""
 
 import difflib
 from collections.abc import Mapping

@@ -1,4 +1,4 @@
-"""What uses many runs; each study is a command,  python -m simulations.studies.NAME  (all share one engine).
+"""Studies of many runs; each is a command,  python -m simulations.studies.NAME  (all share one engine).
 
-NAME: ablation, cost, stability, maps, coupling, figures, claims, body_stress.
+NAME: ablation, body_stress, bulk_strain, campaign, claims, cost, coupling, critical_friction, figures, maps, stability.
 """

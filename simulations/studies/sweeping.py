@@ -178,13 +178,15 @@ def numbers(simulation: Simulation) -> Row:
     row |= {"indentation[m]": last.surface.delta[1] * scales.displacement}
     row |= {"peak_pressure[Pa]": last.surface.pressure.max() * scales.stress}
     found = checks.check(history, simulation.scaled.indenter.height, coupled or not scene.friction)
-    broken = [name for name, one in found.items() if not one.holds]
     try:
         exact = reference.of_same_physics(simulation)
-        row |= {f"error_{name}": value for name, value in comparison.compare(history, exact).items()}
+        errors = comparison.compare(history, exact)
+        found |= checks.check_errors(errors, comparison.own_errors(history, exact))
+        row |= {f"error_{name}": value for name, value in errors.items()}
         row["reference"] = reference.describe(exact, simulation)
     except reference.NoReference as reason:
         row["reference"] = f"none: {reason}"
+    broken = [name for name, one in found.items() if not one.holds]
     row |= {"checks": "hold" if not broken else "not held: " + "; ".join(broken)}
     row |= {"unknowns": simulation.body.unknowns, "increments": len(history.entries)}
     row["newton_iterations"] = sum(entry.iterations for entry in history.entries)

@@ -1,4 +1,4 @@
-"""What a sweep varies: keys with lists or ranges of values, and tables of keys, as a list of changes of a scene."""
+"""Variations of a sweep: keys with lists or ranges of values, and tables of keys, as a list of changes of a scene."""
 
 import csv
 import io

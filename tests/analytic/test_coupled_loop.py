@@ -54,21 +54,21 @@ def assert_closed_forms(states, contact, mu, Q_A, tolerance):
         assert error(state, np.where(inside, -state.slip, 0.0), slip) < tolerance
         d = exact.active_half_width(state.Q, branch)
         assert np.abs(np.array([state.contact, state.stick]) - [[-contact.a, contact.a], [-d, d]]).max() < tolerance * d
-    assert states[1].dissipated_energy == pytest.approx(exact.dissipated_energy / 4, rel=2e-6)
+    assert states[1].dissipated_energy == pytest.approx(exact.dissipated_energy / 4, rel=2e-7)
     cycle = states[-1].dissipated_energy - states[1].dissipated_energy
-    assert cycle == pytest.approx(exact.dissipated_energy, rel=2e-6)
+    assert cycle == pytest.approx(exact.dissipated_energy, rel=2e-7)
 
 
-@pytest.mark.parametrize("k, tolerance", [(-0.5, 1e-5), (0.3, 1e-6)])
-def test_without_coupling_the_closed_forms(k, tolerance):
+@pytest.mark.parametrize("k", [-0.5, 0.3])
+def test_without_coupling_the_closed_forms(k):
     Q_A = 0.6 * MU * P
-    assert_closed_forms(loop(k, 0.3, MU, 0.6, False), CylinderContact(solid_of(k), R, P), MU, Q_A, tolerance)
+    assert_closed_forms(loop(k, 0.3, MU, 0.6, False), CylinderContact(solid_of(k), R, P), MU, Q_A, 2e-8)
 
 
 def test_holl_ratio_decouples():
     """Coupling is on, and vanishes up to rounding of the Holl ratio."""
     nu = GradedHalfPlane.holl_ratio(0.5)
-    assert_closed_forms(loop(0.5, nu, MU, 0.6), CylinderContact(solid_of(0.5, nu), R, P), MU, 0.6 * MU * P, 1e-6)
+    assert_closed_forms(loop(0.5, nu, MU, 0.6), CylinderContact(solid_of(0.5, nu), R, P), MU, 0.6 * MU * P, 2e-8)
 
 
 def test_other_profile_without_coupling():
@@ -105,6 +105,17 @@ def test_energy_of_loops_with_coupling():
         exact = CylinderContact(solid_of(k), R, P).fretting(mu, share * mu * P)
         cycle = states[-1].dissipated_energy - states[1].dissipated_energy
         assert cycle / exact.dissipated_energy == pytest.approx(expected, abs=2e-4)
+
+
+def test_nearly_uncoupled_loop():
+    """Edges of stick come back to where they turned, up to the square of the weak coupling, as does the energy."""
+    nu = 0.495
+    states = loop(0.0, nu, 0.3, 0.9)
+    exact = CylinderContact(solid_of(0.0, nu), R, P).fretting(0.3, 0.9 * 0.3 * P)
+    cycle = states[-1].dissipated_energy - states[1].dissipated_energy
+    lost = 1.5 * ((1 - 2 * nu) / (2 - 2 * nu)) ** 2  # docs/coupling.md
+    assert 1 - cycle / exact.dissipated_energy == pytest.approx(lost, rel=0.03)
+    assert states[-1].stick == pytest.approx(states[1].stick, rel=2e-2)
 
 
 def test_order_of_the_basis():

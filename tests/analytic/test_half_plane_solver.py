@@ -14,6 +14,7 @@ from analytic import (
     PowerProfile,
     Profile,
     ProfileContact,
+    StretchedLoop,
 )
 from analytic.half_plane.linear import ContactNotConverged
 from analytic.half_plane.solver import HalfPlaneContact
@@ -98,6 +99,24 @@ def test_other_profiles_without_coupling(profile, a_max, k, nodes):
 def test_profile_that_ends_is_refused_by_name():
     with pytest.raises(ValueError, match="the profile has no height at x = "):
         HalfPlaneContact(solid_of(0.3), ARC, MU, nodes=60).run([(99 * P, 0.0)])
+
+
+@pytest.mark.parametrize("k", [-0.3, 0.3])
+def test_bulk_strain_moves_the_zone_of_stick(k):
+    """[X7] at +Q_A, 0 and -Q_A, 0.7 of the largest strain: q and the zone of stick."""
+    contact = CylinderContact(solid_of(k), R, P)
+    exact = contact.fretting(MU, Q_A)
+    exact = StretchedLoop(exact, 0.7 * StretchedLoop(exact, 0.0).largest_strain)
+    shares = [0.0, 0.25, 0.5, 0.75, 1.0, 0.5, 0.0, -0.5, -1.0]
+    solver = HalfPlaneContact(solid_of(k), PROFILE, MU, coupling=False, nodes=300)
+    states = solver.run([(P, share * Q_A, share * exact.strain) for share in shares])
+    for index, branch in [(4, "initial"), (6, "unloading"), (8, "unloading")]:
+        state = states[index]
+        inside = np.abs(state.x) < contact.a
+        q = np.where(inside, exact.traction(np.clip(state.x, -contact.a, contact.a), state.Q, branch), 0.0)
+        assert error(state, state.traction, q) < 1e-4
+        centre, half_width = exact.zone(state.Q, branch)
+        assert state.stick == pytest.approx((centre - half_width, centre + half_width), abs=1e-3 * contact.a)
 
 
 # -- coupling on ---------------------------------------------------------------------------------------------------

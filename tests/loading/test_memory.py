@@ -99,10 +99,13 @@ def test_pressing_with_friction_is_exact_with_two_steps(k, nu, mu):
     solid = {"solid.modulus": "power law", "solid.k": k, "solid.nu": nu, "solid.y0_over_a0": 10.0}
     load = {"load.mu": mu, "load.cycles": 0, "effects.friction_in_normal_stage": True, "solver.normal_increments": 2}
     simulation = run(LOOP | solid | load, 1)
-    pressed = [entry for entry in simulation.history.entries if entry.increment.branch == "normal"][-1].surface
+    last = [entry for entry in simulation.history.entries if entry.increment.branch == "normal"][-1]
+    pressed = last.surface
     exact = PressingWithFriction(simulation.scaled.solid, simulation.scaled.indenter.analytic(), mu, 1.0)
     assert relative_l2(pressed.weight, pressed.pressure, exact.pressure(pressed.x)) < 1e-3
     assert relative_l2(pressed.weight, pressed.traction, exact.traction(pressed.x)) < 4e-3
+    # slip zones of 0.002 a and 0.02 a dissipate next to nothing
+    assert last.dissipated == pytest.approx(exact.dissipated_energy, rel=5e-4, abs=1e-6)
     assert not failing(simulation)
 
 

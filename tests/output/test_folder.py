@@ -2,12 +2,14 @@
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 import time
 
 import pytest
-from running import MPI_ENVIRONMENT, ROOT, coarse_arguments, run_command
+from restarting import RUN, assert_same
+from running import MPI_ENVIRONMENT, ROOT, coarse_arguments, environment, run_command
 
 from simulations import fretting
 from simulations.output import lock
@@ -106,16 +108,21 @@ def owner(folder, **changes):
     (folder / lock.NAME).write_text(json.dumps(text))
 
 
-def test_of_two_at_once_one_is_refused(tmp_path):
-    command = [sys.executable, "-m", "simulations.fretting", *arguments(tmp_path / "run")]
-    environment = os.environ | MPI_ENVIRONMENT | {"PYTHONPATH": str(ROOT)}
-    runs = [subprocess.Popen(command, cwd=ROOT, env=environment, stderr=subprocess.PIPE, text=True) for _ in range(3)]
+@pytest.mark.parametrize("ranks, jobs", [(1, 3), (2, 2)])
+def test_of_several_at_once_one_runs(ranks, jobs, uninterrupted, tmp_path):
+    """The others are refused in one line; what the one writes is that of a run alone."""
+    command = [sys.executable, "-m", "simulations.fretting", *coarse_arguments(tmp_path / "run", **RUN), "--quiet"]
+    if ranks > 1:
+        command = [shutil.which("mpirun"), "-n", str(ranks), *command]
+    runs = [
+        subprocess.Popen(command, cwd=ROOT, env=environment(), stderr=subprocess.PIPE, text=True) for _ in range(jobs)
+    ]
     said = [run.communicate(timeout=300)[1] for run in runs]
     codes = [run.returncode for run in runs]
-    assert sorted(codes) == [0, 2, 2]
+    assert sorted(codes) == [0, *[2] * (jobs - 1)], said
     for code, line in zip(codes, said):
         assert code == 0 or (line.count("\n") == 1 and ("is locked" in line or "holds a" in line)), line
-    assert json.loads((tmp_path / "run" / "summary.json").read_text())["converged"] is True
+    assert_same(tmp_path / "run", uninterrupted)
 
 
 def test_a_lock_ends_with_its_owner(tmp_path):

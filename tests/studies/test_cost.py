@@ -48,8 +48,8 @@ def test_a_mesh_without_mirror_is_solved_whole():
 
 
 @pytest.mark.parametrize("k", [0.3, -0.5])
-def test_responses_solve_the_whole_body(k):
-    """A force on one side and its response, recovered in the whole body, leave no residual in the stiffness."""
+def test_compliance_solves_the_whole_body(k):
+    """A force on one side and its displacement, recovered in the whole body, leave no residual in the stiffness."""
     simulation = coarse_simulation(solid__k=k, solid__nu=0.3)
     body, compliance = simulation.body, simulation._compliance
     matrix = compliance.matrix((0, 1))
@@ -66,8 +66,8 @@ def test_responses_solve_the_whole_body(k):
 
 
 def test_dense_steps_reuse_what_they_know(monkeypatch):
-    """One inverse serves a stage; only rows that neither opened nor slid are multiplied with the response again, and
-    those of a node that sticks are kept.
+    """One inverse serves a stage; only rows that neither opened nor slid are multiplied with the compliance
+    matrix again, and those of a node that sticks are kept.
     """
 
     def further_products():

@@ -1,8 +1,5 @@
 """Hard cases: each cure, and that without it the case fails; refusals by name; a part of the matrix."""
 
-import csv
-import json
-
 import numpy as np
 import pytest
 from mpi4py import MPI
@@ -14,7 +11,6 @@ from simulations.loading.pinning import PinnedPoint
 from simulations.loading.stepping import SolveError
 from simulations.runs import checks
 from simulations.runs import expected_edges as edges
-from simulations.runs.energy import EnergyMeter, worst_defect
 from simulations.runs.limits import expected_error
 from simulations.runs.simulation import Simulation
 from simulations.scene import SceneError, make_scene
@@ -197,93 +193,6 @@ def test_too_many_unknowns(monkeypatch, degree):
     monkeypatch.setattr("simulations.runs.limits.MOST_UNKNOWNS", unknowns - 1)
     with pytest.raises(SceneError, match="too fine"):
         coarse_simulation(mesh__degree=degree)
-
-
-# --- checks --------------------------------------------------------------------------------------------------
-
-
-@pytest.fixture(scope="module")
-def loop():
-    simulation = coarse_simulation(solid__nu=0.3)
-    meter = EnergyMeter(simulation.body)
-    for entry in simulation.run():
-        meter.read(entry)
-    return simulation, meter
-
-
-def test_energy_balances_exactly_in_every_increment(loop):
-    assert worst_defect(loop[1].steps) < 1e-9
-
-
-def test_energy_balance_sees_a_wrong_displacement():
-    simulation = coarse_simulation()
-    meter = EnergyMeter(simulation.body)
-    for entry in simulation.run():
-        entry.surface.u[0] *= 1.001
-        meter.read(entry)
-    assert worst_defect(meter.steps) > 1e-4
-
-
-def test_work_in_a_cycle_tends_to_what_is_dissipated():
-    """Both sums over increments have an error that falls like their square."""
-    defects = []
-    for increments in (4, 8):
-        simulation = coarse_simulation(solver__increments=increments)
-        meter = EnergyMeter(simulation.body)
-        for entry in simulation.run():
-            meter.read(entry)
-        cycle = meter.steps[-len(simulation.history.last_cycle) :]
-        lost = sum(step.indenter + step.boundary - step.stored for step in cycle)
-        defects.append(abs(lost / simulation.history.dissipated_energy - 1))
-    assert defects[1] < 0.4 * defects[0] < 0.02
-
-
-def test_checks_hold_and_see_what_is_wrong(loop):
-    simulation, _ = loop
-    history, height = simulation.history, simulation.scaled.indenter.height
-    assert all(check.holds for check in checks.check(history, height).values())
-    surface = history.entries[-1].surface
-    saved = surface.pressure.copy(), surface.traction.copy()
-    inside = np.flatnonzero(surface.pressure > 0)
-    surface.pressure[inside[::2]] *= 1.1
-    surface.traction[inside[::2]] *= 1.1
-    found = checks.check(history, height)
-    surface.pressure[:], surface.traction[:] = saved
-    assert {name for name, check in found.items() if not check.holds} >= {
-        "load balance",
-        "pressure wiggles",
-        "traction wiggles",
-    }
-    surface.traction[inside] *= -1.0
-    found = checks.check(history, height)
-    surface.traction[:] = saved[1]
-    assert not found["slip against q"].holds
-
-
-def test_user_sees_checks_and_changing_states(tmp_path):
-    done = run_command(*coarse_arguments(tmp_path, solid__nu=0.3))
-    assert "checks hold" in done.stdout
-    found = json.loads((tmp_path / "summary.json").read_text())["checks"]
-    assert found["load balance"]["holds"] and found["|q| <= mu p"]["value"] <= found["|q| <= mu p"]["limit"]
-    with open(tmp_path / "history.csv", newline="") as file:
-        changed = [list(map(int, row["states_changed"].split())) for row in csv.DictReader(file)]
-    assert max(map(max, filter(None, changed))) > 0
-
-
-def test_steady_loop_does_not_drift():
-    assert checks.drift(solved(solid__nu=0.3, load__cycles=5, solver__increments=1).history) < 1e-9
-
-
-def test_ranks_without_contact(tmp_path):
-    """A wide domain on four ranks: some hold no contact facet, and the loop is the same."""
-    changes = {"mesh__extent": 1000.0, "mesh__facet": 0.2, "mesh__edge_facet": 0.05, "solver__increments": 1}
-    energies = []
-    for ranks in (1, 4):
-        folder = tmp_path / str(ranks)
-        done = run_command(*coarse_arguments(folder, **changes), ranks=ranks, timeout=300)
-        assert done.returncode == 0, done.stderr
-        energies.append(json.loads((folder / "summary.json").read_text())["dissipated_energy"])
-    assert energies[1] == pytest.approx(energies[0], rel=1e-7)
 
 
 # --- the matrix ----------------------------------------------------------------------------------------------

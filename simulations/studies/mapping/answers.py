@@ -1,4 +1,4 @@
-"""What the maps are for: the grading that loses least, or most, energy under a given load."""
+"""Answers of the maps: the grading that loses least, or most, energy under a given load."""
 
 from dataclasses import dataclass
 

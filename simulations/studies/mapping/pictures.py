@@ -68,7 +68,9 @@ def coupling_effect(found: dict[Point, Energies], theory: dict[Point, Energies],
         fine = _finer(k, amplitudes, table)
         filled = axis.contourf(*fine, CHANGES, cmap="viridis", norm=BoundaryNorm(CHANGES, 256), extend="both")
         lines = axis.contour(*fine, CHANGES, colors="white", linewidths=0.8, linestyles="solid")
-        for label in axis.clabel(lines, fmt=lambda v: f"{v:g} %".replace("-", "−"), fontsize=9, colors=BLACK):
+        middles = [path.vertices[len(path) // 2] for path in lines.get_paths() if len(path) > FINE // 2]  # not cut off
+        words = {"fmt": lambda v: f"{v:g} %".replace("-", "−"), "fontsize": 9, "colors": BLACK}
+        for label in axis.clabel(lines, manual=middles, **words):
             label.set_path_effects([withStroke(linewidth=2.5, foreground="white")])
         axis.plot(*np.array(list(of_m)).T, ".", ms=2.5, color="white")
         axis.set(xlabel="exponent $k$ [–]", ylabel=r"amplitude $Q_A/(\mu P)$ [–]", title=shape(m))

@@ -1,4 +1,4 @@
-"""What a map is made of: one fretting loop a point, with what the depth of the grading changes known in advance.
+"""Points of the maps: one fretting loop each, with what the depth of the grading changes known in advance.
 
 A power law and a power profile f ~ |x|^m have no length of their own. y0 only sets the half-width, a ~ y0^(k/(m+k)),
 and all lengths go with it, slips and energies with a^m: with or without coupling one loop serves every y0.

@@ -1,0 +1,82 @@
+"""A full disk in each phase: one line, exit code 5, what was whole stays whole; the run goes on when there is room."""
+
+import os
+import resource
+import subprocess
+import sys
+
+import pytest
+from restarting import RUN, assert_same
+from running import ROOT, coarse_arguments, environment
+
+from simulations import fretting
+from simulations.output.files import OutputError
+
+SMALL, LARGER = 280, 560  # kB: too small for the first field; too small for the indices and the picture
+
+
+@pytest.mark.parametrize("call", [12, 31, 34, 36, 38])
+def test_at_a_chosen_write(call, uninterrupted, tmp_path, monkeypatch):
+    """Of checkpoint, table, index or summary."""
+    folder, calls, fsync = tmp_path / "run", [], os.fsync
+
+    def full(descriptor):
+        calls.append(descriptor)
+        if len(calls) >= call:
+            raise OSError(28, "No space left on device")
+        fsync(descriptor)
+
+    monkeypatch.setattr(os, "fsync", full)
+    with pytest.raises(OutputError, match="No space left on device; go on with .*--resume") as error:
+        fretting.main(coarse_arguments(folder, **RUN))
+    assert "\n" not in str(error.value)
+    assert not [path for path in folder.rglob("part.*")]
+    monkeypatch.undo()
+    fretting.main(["--resume", str(folder)])
+    assert_same(folder, uninterrupted)
+
+
+def test_files_that_may_not_grow(uninterrupted, tmp_path):
+    """The kernel itself refuses a write, on any machine: a field file is larger than the limit of this process."""
+    folder, limits = tmp_path / "run", resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (300_000, limits[1]))
+    try:
+        with pytest.raises(OutputError, match="cannot be written: File too large; go on with .*--resume"):
+            fretting.main([*coarse_arguments(folder, **RUN), "--quiet"])
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    assert not [path for path in folder.rglob("part.*")]
+    fretting.main(["--resume", str(folder), "--quiet"])
+    assert_same(folder, uninterrupted)
+
+
+WITHIN = """
+disk=$1 small=$2 larger=$3 copy=$4 && shift 4
+mount -t tmpfs -o size=${small}k tmpfs "$disk" || exit 77
+"$@" --output "$disk/run"; echo $?
+mount -o remount,size=${larger}k "$disk" && "${@:1:3}" --quiet --resume "$disk/run"; echo $?
+mount -o remount,size=64m "$disk" && "${@:1:3}" --quiet --resume "$disk/run"; echo $?
+cp -r "$disk/run" "$copy"
+"""
+
+
+def test_a_small_file_system(uninterrupted, tmp_path):
+    """Twice too small, then with room; a throwaway view of the machine holds it."""
+    command = [sys.executable, "-m", "simulations.fretting", *coarse_arguments("", **RUN)[:-2], "--quiet"]
+    disk, copy = tmp_path / "disk", tmp_path / "copy"
+    disk.mkdir()
+    view = ["unshare", "--mount"] if os.geteuid() == 0 else ["unshare", "--map-root-user", "--mount"]
+    done = subprocess.run(
+        [*view, "bash", "-c", WITHIN, "-", *map(str, (disk, SMALL, LARGER, copy)), *command],
+        cwd=ROOT,
+        env=environment(),
+        capture_output=True,
+        text=True,
+        timeout=300,
+    )
+    if done.returncode == 77 or done.stderr.startswith("unshare:"):
+        pytest.skip(f"no file system can be mounted here ({done.stderr.strip()}); the limit of file sizes was tried")
+    assert done.stdout.split() == ["5", "5", "0"], done.stderr
+    lines = done.stderr.splitlines()
+    assert len(lines) == 2 and all("No space left on device; go on with " in line for line in lines), lines
+    assert_same(copy, uninterrupted)

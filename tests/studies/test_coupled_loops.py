@@ -1,0 +1,38 @@
+"""The study of the reference of coupled loops."""
+
+from running import run_command
+
+from simulations.studies import coupled_loops
+from simulations.studies.coupled_loops import DIFFERENCES, ERRORS
+
+
+def test_cases():
+    assert len(coupled_loops.cases(["reference"])) == 6 * 4 * 4 * 3
+    assert len(coupled_loops.cases(["elements"])) == 12
+
+
+def test_one_loop_and_one_that_is_not_served(monkeypatch):
+    """Two orders are close and not the same; points that come into contact in stick are said."""
+    monkeypatch.setattr(coupled_loops, "ORDER", 6)
+    monkeypatch.setattr(coupled_loops, "WAY", (1.0, -1.0, 1.0))
+    loop = {"kind": "reference", "k": 0.5, "nu": 0.2, "mu": 0.3, "share": 0.6}
+    row = coupled_loops.solve(loop)
+    assert all(0 < row[name] < 1e-3 for name in DIFFERENCES)
+    assert row["energy_of_cycle"] > 0 and row["seconds"] > 0
+    assert "into contact in stick" in coupled_loops.solve(loop | {"k": -0.5, "nu": 0.0, "mu": 1.0})["why"]
+
+
+def test_table():
+    """A row a k: loops served, largest differences, largest errors of finite elements."""
+    values = [{"kind": kind, "k": 0.3} for kind in ("reference", "reference", "reference", "elements")]
+    numbers = dict.fromkeys(DIFFERENCES, 1e-8)
+    rows = [numbers | {"seconds": 1.0}, numbers | {"seconds": 1.0, "energy": 2e-7}, {"why": "not served"}]
+    lines = coupled_loops.table(values, [*rows, dict.fromkeys(ERRORS, 1e-3) | {"seconds": 9.0}]).splitlines()
+    assert len(lines) == 2 + len(coupled_loops.K)
+    line = next(line for line in lines if line.startswith("| 0.3 "))
+    assert line == "| 0.3 | 2 of 3 | 1.0e-08 | 1.0e-08 | 1.0e-08 | 2.0e-07 | 1.0e-03 | 1.0e-03 | 1.0e-03 | 1.0e-03 |"
+
+
+def test_a_wrong_kind_is_one_line():
+    done = run_command("--only", "nothing", module="simulations.studies.coupled_loops")
+    assert done.returncode == 2 and len(done.stderr.strip().splitlines()) == 1
