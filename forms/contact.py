@@ -15,7 +15,9 @@ import ufl
 
 X, Y = 0, 1  # components: along the surface, into the body
 OPEN, BACKWARD, CLOSED, FORWARD = 0, 1, 2, 3  # contact states: sliding along -x, closed or stuck, sliding along +x
-PINNED = 2.0  # in ``slides``: a point that does not slide whatever its traction
+# Imposed on a point whatever its tractions are, in ``slides`` and ``contact_pressure``: it does not slide, slides along
+# +x, slides along -x, is open.
+PINNED, DRIVEN_FORWARD, DRIVEN_BACKWARD, LIFTED = 2.0, 3.0, -3.0, 4.0
 
 
 def gap(u, profile, delta):
@@ -33,10 +35,13 @@ def stretch(strain, x):
     return strain * x
 
 
-def contact_pressure(traction, gap, gamma):
-    """p = [ t_y - gamma gap ]_+ ."""
+def contact_pressure(traction, gap, gamma, imposed=None):
+    """p = [ t_y - gamma gap ]_+ ; imposed: 0 where a point that is LIFTED is not, None where none can be."""
     trial = traction[Y] - gamma * gap
-    return ufl.conditional(ufl.gt(trial, 0.0), trial, 0.0)
+    touches = ufl.gt(trial, 0.0)
+    if imposed is not None:
+        touches = ufl.And(touches, ufl.lt(imposed, (DRIVEN_FORWARD + LIFTED) / 2))
+    return ufl.conditional(touches, trial, 0.0)
 
 
 def clearance(traction, gap, gamma):
@@ -58,11 +63,13 @@ def slides(trial, limit, before):
     """Where a point slides: 1 along +x, -1 along -x, 0 where it sticks.
 
     before: where it slid in the last Newton iterate. A point does not turn from sliding one way to sliding the other
-    at once but sticks in between, and one that is PINNED does not slide at all; 0 everywhere for Coulomb's law as it
-    is.
+    at once but sticks in between, one that is PINNED does not slide at all, and those that are DRIVEN do; 0 everywhere
+    for Coulomb's law as it is.
     """
     forward = ufl.And(ufl.gt(trial, limit), ufl.And(ufl.gt(before, -0.5), ufl.lt(before, (1.0 + PINNED) / 2)))
     backward = ufl.And(ufl.lt(trial, -limit), ufl.lt(before, 0.5))
+    forward = ufl.Or(forward, ufl.gt(before, (PINNED + DRIVEN_FORWARD) / 2))
+    backward = ufl.Or(backward, ufl.lt(before, (DRIVEN_BACKWARD - 1.0) / 2))
     return ufl.conditional(forward, 1.0, ufl.conditional(backward, -1.0, 0.0))
 
 

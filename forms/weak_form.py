@@ -58,7 +58,8 @@ def internal_work(solid: Solid, u, pi, v, r, dx, correction=1.0):
 class Friction:
     """What Coulomb's law needs beside the displacement: constants and fields at the surface points.
 
-    mu; anchor: where a point last came to rest; slid: where it slid in the last Newton iterate (``contact.slides``);
+    mu; anchor: where a point last came to rest; slid: where it slid in the last Newton iterate, or what is
+    imposed on it (``contact.slides``);
     all_stick: 1 in the predictor; is_lagged: 1 where friction is limited by lagged_pressure, None where there is none;
     stretch: tangential displacement of the surface beside u (``contact.stretch``), None without bulk strain.
     elastic: compliance of elastic slip, a length over a stress, None without.
@@ -102,16 +103,16 @@ class Contact:
     released: Any = None
 
 
-def frictionless_contact(u, t, delta, profile, nitsche: NitscheParameters) -> Contact:
-    """Pressure alone, (F5); profile: the indenter's f(x)."""
+def frictionless_contact(u, t, delta, profile, nitsche: NitscheParameters, imposed=None) -> Contact:
+    """Pressure alone, (F5); profile: the indenter's f(x); imposed: as in ``contact.contact_pressure``."""
     g = contact.gap(u, profile, delta)  # (F4)
-    p = contact.contact_pressure(t, g, nitsche.gamma)  # (F5)
+    p = contact.contact_pressure(t, g, nitsche.gamma, imposed)  # (F5)
     return Contact(t, nitsche, {Y: p}, contact.contact_state(p), contact.clearance(t, g, nitsche.gamma))
 
 
 def frictional_contact(u, t, delta, profile, nitsche: NitscheParameters, friction: Friction) -> Contact:
     """Pressure and tangential traction, (F5) and (F7)."""
-    normal = frictionless_contact(u, t, delta, profile, nitsche)
+    normal = frictionless_contact(u, t, delta, profile, nitsche, friction.slid)
     return _with_friction(u, t, delta, normal.tractions[Y], normal.tractions, nitsche, friction, normal.clearance)
 
 

@@ -6,14 +6,9 @@ import subprocess
 import sys
 from pathlib import Path
 
-COARSE = {
-    "mesh.facet": 0.1,
-    "mesh.edge_facet": 0.02,
-    "mesh.growth": 1.6,
-    "mesh.first_layer": 0.02,
-    "mesh.layer_growth": 1.6,
-    "solver.increments": 2,
-}
+from simulations.studies.costs.cases import SWEPT
+
+COARSE = SWEPT  # keys of a coarse mesh
 ROOT = Path(__file__).resolve().parent.parent
 MPI_ENVIRONMENT = {  # more ranks than cores, as root, sharing them: what the image sets, for other places
     "OMPI_ALLOW_RUN_AS_ROOT": "1",

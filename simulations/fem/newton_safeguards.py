@@ -58,6 +58,16 @@ class NewtonSafeguards:
         self._friction.slid.x.array[self._points.dofs[which]] = contact.PINNED
         self._friction.slid.x.scatter_forward()
 
+    @contextmanager
+    def imposed(self, values: np.ndarray) -> Iterator[None]:
+        """Meanwhile contact states are imposed on this rank's points: values (m,) of ``contact.slides``, 0 for none."""
+        self._friction.slid.x.array[self._points.dofs] = values
+        self._friction.slid.x.scatter_forward()
+        try:
+            yield
+        finally:
+            self.forget()
+
     def forget(self):
         """No point pinned and none known to slide: Coulomb's law as it is."""
         self._friction.slid.x.array[:] = 0.0

@@ -29,7 +29,7 @@ class Options:
     anchor_passes: int = 8
     anchors_settled: float = 1e-3
     anchors_settled_uncoupled: float = 1e-5
-    fallbacks: tuple[str, ...] = ("Newton", "guarded Newton", "fixed point")
+    fallbacks: tuple[str, ...] = ("jumping Newton", "Newton", "guarded Newton", "fixed point")
     confirm: bool = False
 
 
@@ -50,6 +50,14 @@ class Fallback:
 
     def __str__(self):
         return f"{self.name}: {self.how}, {self.when}; {self.reason}"
+
+
+def jumping_newton(newton: Newton, load: Load, options: Options) -> list[NewtonResult]:
+    """Newton's method with jumps of edges, from the nearest state that is known."""
+    start = {}
+    if not newton.has_solved(load):  # else the state is that of other anchors
+        start = {"extrapolate" if newton.extrapolation(load) else "predict": True}
+    return [newton.solve(load, jump=True, confirm=options.confirm, **start)]
 
 
 def newton_as_it_is(newton: Newton, load: Load, options: Options) -> list[NewtonResult]:
@@ -102,8 +110,17 @@ def restrained(newton: Newton) -> Iterator[None]:
 
 FALLBACKS = (
     Fallback(
-        "Newton",
+        "jumping Newton",
         "first",
+        "semismooth Newton with full steps and jumps of edges, from the line through the last two states; where "
+        "the load turns, from a step in which all points stick",
+        "edges move on nearly as they did, and the active set alone would creep to them",
+        lambda problem: problem.friction,
+        jumping_newton,
+    ),
+    Fallback(
+        "Newton",
+        "otherwise",
         "semismooth Newton with full steps, from a step in which all points in contact stick",
         "it ends after a few iterations wherever the contact states settle",
         lambda problem: True,

@@ -143,6 +143,7 @@ class LoadStepping:
                 self.problem.memory.come_to_rest()
             if enters:
                 self.entering.end()
+            self._newton.accept(after)
             return 0
         self._restore(saved)
         first, last = tried[0], tried[-1]

@@ -14,6 +14,7 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from ..fem.contact_problem import ContactProblem
+from .edge_jumps import EdgeJumps
 
 SNES_OPTIONS = {
     "snes_type": "newtonls",
@@ -30,10 +31,14 @@ BULK_OPTIONS = {
 BULK_PREFIX = "fretting_bulk_"
 FORCE_TOLERANCE = 1e-9  # force residual and load imbalance / P, where round-off lets them get there
 ROUND_OFF = 4.0  # residuals are balanced this many times above the last digits' own, measured for k from -0.9 to 0
-SETTLED = 1e-11  # force residual / P above which a balanced state gets one more step: what is left of a long first one
+SETTLED = 1e-11  # force residual / P above which a balanced state gets one more step: what is left of a long first one;
+# above round-off where contact states are at rest
 ROUNDS = 3  # the same change of contact states as often as this is a cycle (twice may be luck near a singular tangent)
 STEP_TOLERANCE = 1e-11  # a step this small (relative) ends the iteration if round-off holds the residual up ...
 ATTAINABLE = 1e-6  # ... below this
+MOST_JUMPING = 20  # iterations of a solve in which edges jump, before another way is tried
+JUMPS = 6  # first ones of these, in which they do
+FURTHEST = 3.0  # extrapolation, over the last load step
 
 
 @dataclass(frozen=True)
@@ -57,6 +62,9 @@ class System(Protocol):
 
     def begin(self, load, x: PETSc.Vec):
         """Prescribe the line loads and fill ``x`` with the present state."""
+
+    def start_elsewhere(self):
+        """After ``begin``: the unknowns to start from are not those of the present state."""
 
     def residual(self, x: PETSc.Vec, f: PETSc.Vec) -> tuple[float, float]:
         """Fill ``f``; return the norm of the force residual and the largest load imbalance."""
@@ -115,16 +123,20 @@ def bulk_solver(matrix: PETSc.Mat, factorisation: str, changes=None, prepare=Non
 
 
 class _Operator:
-    """Python context through which PETSc multiplies by the system's Jacobian (mult) or its inverse (apply)."""
+    """Python context through which PETSc multiplies by the system's Jacobian (mult) or its inverse (apply).
+
+    right: the right-hand side to take instead of PETSc's, where contact states are imposed on a step; else None.
+    """
 
     def __init__(self, system: System):
         self.system = system
+        self.right: PETSc.Vec | None = None
 
     def mult(self, matrix, x, y):
         self.system.multiply(x, y)
 
     def apply(self, pc, b, x):
-        self.system.solve(b, x)
+        self.system.solve(b if self.right is None else self.right, x)
 
 
 def _weakly(method):
@@ -148,25 +160,42 @@ class Newton:
         self.snes.setJacobian(_weakly(self._linearise), jacobian)
         self.snes.setConvergenceTest(_weakly(self._test))
         self.snes.ksp.pc.setType(PETSc.PC.Type.PYTHON)
-        self.snes.ksp.pc.setPythonContext(_Operator(system))
+        self._inverse = _Operator(system)
+        self.snes.ksp.pc.setPythonContext(self._inverse)
         with_defaults(prefix, SNES_OPTIONS, self.snes.setFromOptions)
         self._polished = False
         self._last_force = np.inf
-        self._scale, self._norms, self._tolerance = 1.0, (np.inf, np.inf), tolerance
-        self._states = None
+        self._scale, self._norms, self._tolerance, self._round_off = 1.0, (np.inf, np.inf), tolerance, 0.0
+        self._states: np.ndarray | None = None
         self._changes: list[int] = []
         self._seen: dict[bytes, int] = {}
+        self._jumps = EdgeJumps(system.problem) if system.problem.friction else None
+        self._may_jump = False
+        self._imposed = system.create_vector()  # residual under imposed contact states
+        self._accepted: list[tuple] = []  # loads and unknowns of the last two load steps
+        self._solved = None  # load of the last solve, if it converged
         self.after_linearise = lambda: None  # called with the fields at the iterate
         self.after_residual = lambda: False  # likewise; True where it changed the problem, whose residual is renewed
 
-    def solve(self, load, predict=False, confirm=False) -> NewtonResult:
+    def solve(self, load, predict=False, confirm=False, extrapolate=False, jump=False) -> NewtonResult:
         """Balance the line loads ``load`` (fem.load.Load), P > 0.
 
         predict: start with a step in which all points in contact stick; confirm: one more iteration after the last, to
-        see whether contact states still change.
+        see whether contact states still change; extrapolate: start from the line through the last two load steps; jump:
+        let edges of contact and stick jump.
         """
         self._polished = False
         self._begin(load)
+        if extrapolate:
+            (_, first), (_, second) = self._accepted
+            share = self.extrapolation(load)
+            self.x.set(0.0)
+            self.x.axpy(1.0 + share, second)
+            self.x.axpy(-share, first)
+            self.system.start_elsewhere()
+        self._may_jump = jump
+        if jump:
+            self._jumps.begin()
         if predict:
             with self.system.problem.safeguards.all_stick():
                 self._step()
@@ -182,8 +211,10 @@ class Newton:
             kept.copy(self.x)
             self._residual(self.snes, self.x, self._f)
         self.system.finish(self.x)
+        converged = code > 0 and max(self._norms) <= 10 * ATTAINABLE  # whatever rule of PETSc's ended it
+        self._solved = load if converged else None
         return NewtonResult(
-            converged=code > 0 and max(self._norms) <= 10 * ATTAINABLE,  # whatever rule of PETSc's ended it
+            converged=converged,
             iterations=self.snes.getIterationNumber() + predict,
             residual=self._norms[0],
             imbalance=self._norms[1],
@@ -191,6 +222,23 @@ class Newton:
             tolerance=self._tolerance,
             changes=tuple(self._changes),
         )
+
+    def has_solved(self, load) -> bool:
+        """Whether the last solve was one under ``load``, and converged."""
+        return self._solved == load
+
+    def accept(self, load):
+        """Keep what was solved: a load step has ended."""
+        self._accepted = [*self._accepted[-1:], (load, self.x.copy())]
+
+    def extrapolation(self, load) -> float:
+        """How far ``load`` lies beyond the last two load steps, over the last one; 0 where it is not on their line."""
+        if len(self._accepted) < 2:
+            return 0.0
+        before, last = (np.array(load) for load, _ in self._accepted)
+        done, ahead = last - before, np.array(load) - last
+        share = done @ ahead / (done @ done) if np.any(done) else 0.0
+        return share if 0 < share <= FURTHEST and np.allclose(ahead, share * done, rtol=0, atol=1e-9 * load.P) else 0.0
 
     def balance(self, load) -> NewtonResult:
         """Whether the present state already balances the loads, by the same measure; nothing is moved."""
@@ -204,8 +252,8 @@ class Newton:
         self._scale = load.P
         self.system.problem.body.stretch(load.strain)
         self.system.begin(load, self.x)
-        attainable = ROUND_OFF * self.system.problem.terms.round_off() / self._scale
-        self._tolerance = min(max(self._wanted, attainable), ATTAINABLE)
+        self._round_off = self.system.problem.terms.round_off() / self._scale
+        self._tolerance = min(max(self._wanted, ROUND_OFF * self._round_off), ATTAINABLE)
 
     def _balanced(self):
         force, imbalance = self._norms
@@ -225,7 +273,17 @@ class Newton:
         self._norms = (force / self._scale, imbalance / self._scale)
 
     def _linearise(self, snes, x, jacobian, preconditioner):
-        self.system.linearise(x)
+        self._inverse.right = None
+        imposed = None
+        if self._may_jump and self._states is not None:
+            imposed = self._jumps.after(self._states, snes.getIterationNumber() < JUMPS)
+        if imposed is None:
+            self.system.linearise(x)
+        else:
+            with self.system.problem.safeguards.imposed(imposed):
+                self.system.residual(x, self._imposed)
+                self.system.linearise(x)
+            self._inverse.right = self._imposed
         jacobian.assemble()
         self.after_linearise()
 
@@ -258,9 +316,10 @@ class Newton:
         reason = PETSc.SNES.ConvergedReason
         if not np.isfinite(norms[2]):
             return reason.DIVERGED_FNORM_NAN
-        last = iteration >= snes.getTolerances()[3]
+        last = iteration >= (MOST_JUMPING if self._may_jump else snes.getTolerances()[3])
         if self._balanced():
-            if force <= SETTLED or iteration == 0 or last or self._polished:
+            settled = max(SETTLED, self._round_off) if self._changes[-1:] == [0] else SETTLED
+            if force <= settled or iteration == 0 or last or self._polished:
                 return reason.CONVERGED_FNORM_ABS
             self._polished = True
             return reason.CONVERGED_ITERATING

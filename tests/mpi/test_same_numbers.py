@@ -25,6 +25,7 @@ SCENES = {
     "condensed mixed": homogeneous("condensed", 0.5),
     "full mixed": homogeneous("full", 0.5),
     "bulk strain": coarse(solid__nu=0.3, load__bulk_strain=3e-4, load__bulk_phase=60),
+    "coupled loop": coarse(solid__nu=0.3, solid__k=-0.3, solver__increments=3),
     "pinned": make_scene(SHRINKING, base=None),
 }
 if comm.size > 2:

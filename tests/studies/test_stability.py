@@ -77,7 +77,9 @@ def test_first_contact_has_facets_enough(monkeypatch):
 
 
 def test_a_cycle_ends_at_once(monkeypatch):
-    scene = {"solid__nu": 0.3, "effects__friction_in_normal_stage": "true"}
+    """Of contact states that creep; where edges jump there is none here."""
+    limit_stepping(monkeypatch, fallbacks=("Newton", "guarded Newton", "fixed point"))
+    scene = {"solid__nu": 0.3, "effects__friction_in_normal_stage": "true", "load__cycles": 0}
     quick = iterations(**scene)
     monkeypatch.setattr(newton, "ROUNDS", 10**9)
     assert iterations(**scene) > 1.5 * quick
@@ -113,7 +115,7 @@ def test_steps_are_refined(monkeypatch):
     """Box-like pressure on fine facets: forces of 1e7 P cancel in the first step."""
     box = {"solid__k": -0.9, "solid__nu": 0.3, "mesh__facet": 0.05, "mesh__edge_facet": 5e-3, "mesh__first_layer": 5e-3}
     solved(**box, load__cycles=0)
-    monkeypatch.setattr(tangent, "EXACT", np.inf)
+    monkeypatch.setattr(tangent, "EXACT", (np.inf, np.inf))
     with pytest.raises(SolveError):
         solved(**box, load__cycles=0)
 

@@ -67,6 +67,11 @@ class CondensedSystem:
         self._has_offset = self._comm.bcast(bool(np.any(self._offset)))
         self._put(np.concatenate([forces, body.delta.value[self._rigid]]), x)
 
+    def start_elsewhere(self):
+        """After ``begin``: start from forces that are not those of the present state, and from their displacements."""
+        self._offset[:] = 0.0
+        self._has_offset = False
+
     def residual(self, x, f) -> tuple[float, float]:
         """Fill ``f``; return the norm of the force residual and the largest load imbalance."""
         forces, rigid = self._get(x)

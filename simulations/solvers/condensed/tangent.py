@@ -3,30 +3,35 @@
 T (sparse) is minus the derivative of the contact forces by the strip's displacements, C the compliance matrix of the
 strip and e its rigid translations. From one step to the next only rows of T change whose contact state does,
 so one matrix is inverted and every other is that one with some rows replaced (Woodbury). A node that opens (df = b) or
-slides (its traction is known from its pressure) has a row of one or two entries, and costs no product with C.
+slides (its traction is known from its pressure) has a row of one or two entries, and costs no product with C. Where the
+rows to be replaced become many, the inverse itself takes up those replaced so far. The first inverse is kept beside
+it: after a turn of the load all points stick again, as they did then.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import lapack
+from scipy.linalg import blas, lapack
 from scipy.sparse import csr_matrix
 
 from .matrix import ComplianceMatrix
 
 FEW = 0.15  # share of rows that change otherwise before another matrix is inverted
-EXACT = 1e-10  # residual of a step, over the load and over what it is to balance, beyond which it is refined
+MANY = 0.15  # share of rows that change before the inverse takes up those replaced so far,
+FEWER = 0.5  # if that leaves less than this share of them
+EXACT = 1e-10, 1e-7  # residual of a step, over the load and over what it is to balance, beyond which it is refined
 SOLVED = 1e-6  # relative residual of a step that is worth taking
 SAME = 1e-13  # relative: rows this close to proportional are
 
 
 @dataclass
 class Counts:
-    """What was done so far: matrices inverted, rows replaced, and rows that needed C."""
+    """What was done so far: matrices inverted, rows replaced, rows that needed C, and rows taken up by the inverse."""
 
     inverses: int = 0
     rows: int = 0
     products: int = 0
+    taken_up: int = 0
 
 
 class DenseTangent:
@@ -43,25 +48,65 @@ class DenseTangent:
         n = self._size // self._rigid
         self._sums = np.hstack([sides * np.kron(np.eye(self._rigid), np.ones(n)), np.zeros((self._rigid, self._rigid))])
         self._base: csr_matrix | None = None
+        self._first: tuple[np.ndarray, csr_matrix] | None = None  # the first inverse, and its tangent
         self._singular: bool = False
+        self._rows = self._pressing = np.zeros(0, dtype=int)  # rows replaced, and those of their nodes' pressure
+        self._columns = self._lu = self._pivots = np.zeros((0, 0))
         self._known: dict[int, tuple[np.ndarray, np.ndarray]] = {}  # rows of T and of J, by their number
         self.counts = Counts()
 
     def factorise(self, tangent: csr_matrix):
         """Prepare ``solve`` for T (mn, r)."""
-        self._tangent = tangent
         free, sliding, ratio = self._states(tangent)
-        if self._base is not None:
-            changed = np.logical_or.reduceat(tangent.data != self._base.data, tangent.indptr[:-1])
+        changed = self._choose_base(tangent)
+        self._tangent = tangent
+        if changed is not None:
             rest = changed & ~free & ~sliding
             if np.count_nonzero(rest) <= FEW * self._size:
                 self._replace(np.flatnonzero(changed & free), np.flatnonzero(changed & sliding), ratio, rest)
                 return
         self._rebase()
 
+    def _choose_base(self, tangent) -> np.ndarray | None:
+        """Rows (mn,) of T other than the base's, which is made one to which they are few; None without a base."""
+        if self._base is None:
+            return None
+        changed = _changed(tangent, self._base)
+        if np.count_nonzero(changed) <= MANY * self._size:
+            return changed
+        if self._first is not None:
+            since_first = _changed(tangent, self._first[1])
+            if np.count_nonzero(since_first) < np.count_nonzero(changed):
+                (self._inverse, self._base), changed, self._rows = self._first, since_first, self._rows[:0]
+        if len(self._rows) and not self._singular:
+            since_last = _changed(tangent, self._tangent)
+            if np.count_nonzero(since_last) < FEWER * np.count_nonzero(changed):
+                self._take_up()
+                changed = since_last
+        return changed
+
+    def _take_up(self):
+        """Make the last tangent the base: the inverse with its rows replaced."""
+        rows = self._rows
+        if self._first is not None and self._inverse is self._first[0]:
+            self._inverse = self._inverse.copy(order="F")
+        inverse = self._inverse
+        inverse[:, rows] = 0.0
+        wanted = -self._new_rows(inverse)
+        number = np.arange(len(rows))
+        wanted[number, rows] += 1.0
+        sliding = self._ratio != 0.0
+        wanted[number[sliding], self._pressing[sliding]] -= self._ratio[sliding]
+        known, _ = lapack.dgetrs(self._lu, self._pivots, wanted)
+        self._inverse = blas.dgemm(1.0, self._columns, known, 1.0, inverse, overwrite_c=True)
+        self._base = self._tangent
+        self.counts.taken_up += len(rows)
+
     def _rebase(self):
         free, _, ratio = self._states(self._tangent)
         self._invert(self._tangent, free)
+        if self._base is not None:
+            self._first = self._inverse, self._base
         none = np.array([], dtype=int)
         self._replace(none, none, ratio, np.zeros(self._size, dtype=bool))
 
@@ -85,7 +130,7 @@ class DenseTangent:
             return b, np.inf
         x = self._solve(b)
         residual, defect = self._residual(x, b)
-        if defect < np.inf and np.abs(residual).max() > EXACT * min(load, np.abs(b).max()):
+        if defect < np.inf and np.abs(residual).max() > min(EXACT[0] * load, EXACT[1] * np.abs(b).max()):
             x = x + self._solve(residual)
             _, defect = self._residual(x, b)
         return x, defect
@@ -172,6 +217,11 @@ class DenseTangent:
         few = len(self._rows) - len(self._rest)
         images = (x[self._rows[:few]].T - self._ratio[:few] * x[self._pressing[:few]].T).T
         return np.concatenate([images, self._rest @ x])
+
+
+def _changed(tangent: csr_matrix, other: csr_matrix) -> np.ndarray:
+    """Which rows (mn,) of two tangents of one pattern differ."""
+    return np.logical_or.reduceat(tangent.data != other.data, tangent.indptr[:-1])
 
 
 def _inverse(rows: np.ndarray, active: np.ndarray) -> tuple[np.ndarray, bool]:

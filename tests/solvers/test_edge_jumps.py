@@ -1,0 +1,80 @@
+"""Edges of contact and stick that jump to where the active set would creep."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+from solving import limit_stepping, solved
+
+from forms.contact import BACKWARD, CLOSED, DRIVEN_FORWARD, FORWARD, LIFTED, OPEN, PINNED, X, Y
+from simulations.solvers.edge_jumps import EdgeJumps
+
+POINTS = np.linspace(-1.2, 1.2, 2402)
+SPACING = POINTS[1] - POINTS[0]
+
+
+def jumps(k):
+    """For points with a gap of SPACING on a solid of exponent k."""
+    body = SimpleNamespace(mesh=SimpleNamespace(comm=MPI.COMM_SELF), modulus=SimpleNamespace(k=k))
+    points = SimpleNamespace(x=POINTS, middle=POINTS)
+    return EdgeJumps(SimpleNamespace(body=body, directions=(X, Y), points=points))
+
+
+def states(left, inner_left, inner_right, right):
+    """Contact from ``left`` to ``right`` that sticks between the inner ones and slides forward beside them."""
+    inside = (left < POINTS) & (right > POINTS)
+    sticks = (inner_left < POINTS) & (inner_right > POINTS)
+    return np.where(sticks, CLOSED, np.where(inside, FORWARD, OPEN)).astype(np.int8)
+
+
+@pytest.mark.parametrize("k", [-0.5, 0.0, 0.3])
+def test_an_edge_goes_on_by_what_theory_leaves_open(k):
+    """An edge that was e too far out is seen e (1+k)/2 further in; one too far in is seen e (3-k)/2 further out."""
+    found = jumps(k)
+    assert found.after(states(-1.0, -0.8, 0.8, 1.0), True) is None
+    e = 0.04
+    imposed = found.after(states(-1.0, -0.8 + e * (1 + k) / 2, 0.8 + e * (3 - k) / 2, 1 - e * (1 + k) / 2), True)
+    left, right = POINTS[(imposed == DRIVEN_FORWARD) & (POINTS < 0)], POINTS[(imposed == DRIVEN_FORWARD) & (POINTS > 0)]
+    assert left[-1] == pytest.approx(-0.8 + e, abs=3 * SPACING / (1 + k))
+    assert right[0] == pytest.approx(0.8 + e, abs=3 * SPACING)
+    assert POINTS[imposed == LIFTED].min() == pytest.approx(1 - e, abs=3 * SPACING / (1 + k))
+
+
+def test_edges_that_rest_impose_nothing():
+    found = jumps(0.0)
+    assert [found.after(states(-1.0, -0.5, 0.6, 0.9), True) for _ in range(3)] == [None] * 3
+
+
+def test_a_point_that_turns_round_sticks_in_between():
+    found = jumps(0.0)
+    before = states(-1.0, -0.5, 0.6, 0.9)
+    found.after(before, False)
+    turned = np.isclose(POINTS, -0.7, atol=SPACING)
+    imposed = found.after(np.where(turned, BACKWARD, before), False)
+    assert np.array_equal(imposed == PINNED, turned) and not np.any(imposed[~turned])
+    assert found.after(np.where(turned, BACKWARD, before), False) is None  # it may slide back now
+
+
+def test_points_that_slide_against_their_zone_belong_to_stick():
+    """Beside an edge of stick too far in: one node slides on, those beyond it turn round or stick again."""
+    found, e = jumps(0.0), 0.05
+    found.after(states(-1.0, -0.5, 0.6 - e, 0.9), True)
+    again = states(-1.0, -0.5, 0.6, 0.9)
+    against = np.isclose(POINTS, 0.6 - e, atol=SPACING)
+    imposed = found.after(np.where(against, BACKWARD, again), True)
+    assert np.all(imposed[against] == PINNED)
+    assert POINTS[imposed == DRIVEN_FORWARD].min() == pytest.approx(0.6 - e / 3, abs=3 * SPACING)  # e 2/3 further out
+
+
+def test_the_answer_does_not_depend_on_where_a_step_starts(monkeypatch):
+    """Every way of starting ends in the same state; the extrapolated one in fewer iterations."""
+    keys = {"solid__k": 0.0, "solid__nu": 0.3, "solver__increments": 5}
+    one = solved(**keys).history
+    limit_stepping(monkeypatch, fallbacks=("Newton", "guarded Newton", "fixed point"))
+    other = solved(**keys).history
+    for a, b in zip(one.entries, other.entries, strict=True):
+        for name in ("pressure", "traction"):
+            assert getattr(a.surface, name) == pytest.approx(getattr(b.surface, name), abs=1e-8)
+    assert one.dissipated_energy == pytest.approx(other.dissipated_energy, rel=1e-8)
+    assert sum(e.iterations for e in one.entries) < 0.9 * sum(e.iterations for e in other.entries)
