@@ -8,6 +8,7 @@ from dolfinx import fem
 from forms.contact import X, Y
 
 from .body import ElasticBody
+from .parallel import gathered
 
 NO_CELLS = np.array([], dtype=np.int32)  # for dolfinx: the cells of the source are those of the target
 
@@ -33,6 +34,26 @@ class SurfacePoints:
     def field(self, name: str) -> fem.Function:
         """A field with a value of its own at every point."""
         return fem.Function(self.space, name=name)
+
+
+class AllPoints:
+    """The points of all ranks, sorted by x: x (n,) on every rank."""
+
+    def __init__(self, points: SurfacePoints):
+        self._comm = points.body.mesh.comm
+        x, middle = gathered(self._comm, points.x), gathered(self._comm, points.middle)
+        self._order = np.lexsort((middle, x))
+        self.x = x[self._order]
+        start = sum(self._comm.allgather(len(points.x))[: self._comm.rank])
+        self._mine = np.argsort(self._order)[start : start + len(points.x)]
+
+    def gathered(self, local: np.ndarray) -> np.ndarray:
+        """Values (n,) of all points from those of this rank's (m,)."""
+        return gathered(self._comm, local)[self._order]
+
+    def mine(self, values: np.ndarray) -> np.ndarray:
+        """Of values (n,) those of this rank's points (m,)."""
+        return values[self._mine]
 
 
 class PointExpression:

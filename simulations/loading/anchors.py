@@ -23,6 +23,7 @@ import numpy as np
 from forms.contact import CLOSED, OPEN
 
 from ..fem.contact_problem import ContactProblem
+from ..fem.surface_points import AllPoints
 
 # r is measured between two distances from the edge, in units of its motion in the step. The further out, the better a
 # wrong r is seen; the closer, the more it is the edge's own. Without coupling r is the same everywhere.
@@ -50,16 +51,11 @@ class EnteringPoints:
     """Anchors the points that enter contact in a load step of a frictional problem."""
 
     def __init__(self, problem: ContactProblem):
-        self._problem, self._comm = problem, problem.body.mesh.comm
+        self._problem, self._points = problem, AllPoints(problem.points)
+        self._x = self._points.x
         self._is_uncoupled = problem.held is not None
         self._window = UNCOUPLED if self._is_uncoupled else COUPLED
         self._beside = BESIDE if self._is_uncoupled else 0  # points that r is not measured on, and which ``end`` leads
-        parts = self._comm.allgather((problem.points.x, problem.points.middle))
-        x, middle = (np.concatenate(part) for part in zip(*parts))
-        self._order = np.lexsort((middle, x))
-        self._x = x[self._order]
-        start = sum(len(part[0]) for part in parts[: self._comm.rank])
-        self._mine = np.argsort(self._order)[start : start + len(problem.points.x)]
         self._ratios = {side: Ratio() for side in SIDES}
         self._before: Surface = None  # type: ignore[assignment]  # made by ``begin``
         self._after: Surface = None  # type: ignore[assignment]  # as last measured
@@ -78,7 +74,7 @@ class EnteringPoints:
         states = memory.states_at_rest()
         states = np.where(states == OPEN, CLOSED, states)  # all in contact stick after a frictionless stage
         states = np.where((clearance > 0) | is_first_contact, OPEN, states)
-        self._before = Surface(*self._gathered(states, memory.anchors(), clearance))
+        self._before = Surface(*map(self._points.gathered, (states, memory.anchors(), clearance)))
         self._ratios = {side: Ratio(ratio.value) for side, ratio in self._ratios.items()}
         self._draws = False
         self._began = dict.fromkeys(SIDES, np.nan)
@@ -95,8 +91,8 @@ class EnteringPoints:
         """
         problem, before = self._problem, self._before
         local = problem.terms.contact_states(), problem.memory.rest_positions(), clearance
-        self._after = after = Surface(*self._gathered(*local))
-        (old,) = self._gathered(problem.memory.anchors())
+        self._after = after = Surface(*map(self._points.gathered, local))
+        old = self._points.gathered(problem.memory.anchors())
         measure(self._x, before, after, self._ratios, self._window, self._beside)
         touch = self._touching(after)
         new = touch.copy()
@@ -150,7 +146,7 @@ class EnteringPoints:
         before, after, self._start = self._before, self._after, self._began
         if after is None or not self._beside:
             return
-        (anchors,) = self._gathered(self._problem.memory.anchors())
+        anchors = self._points.gathered(self._problem.memory.anchors())
         for side in SIDES:
             beyond = open_points(after.states, side)
             inside = beyond[:1] - side  # sorted by x: the last in contact
@@ -166,10 +162,8 @@ class EnteringPoints:
         self._put(anchors)
 
     def _put(self, anchors):
-        self._problem.memory.move_anchors(np.ones(len(self._mine), bool), anchors[self._mine])
-
-    def _gathered(self, *local):
-        return [np.concatenate(self._comm.allgather(values))[self._order] for values in local]
+        mine = self._points.mine(anchors)
+        self._problem.memory.move_anchors(np.ones(len(mine), bool), mine)
 
 
 class Ratio:

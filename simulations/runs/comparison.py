@@ -50,9 +50,7 @@ def compare(history: History, reference: Reference) -> dict[str, float]:
         energy = reference.dissipated_energy()
         if energy:
             error = history.dissipated_energy / energy - 1
-            coarser = reference.coarser
-            own = abs((coarser.dissipated_energy() or 0.0) / energy - 1) if coarser else 0.0
-            deviation["dissipated_energy"] = error + float(np.copysign(own, error))
+            deviation["dissipated_energy"] = error + float(np.copysign(_own_error_of_energy(reference), error))
     return deviation
 
 
@@ -63,8 +61,12 @@ def own_errors(history: History, reference: Reference) -> dict[str, float]:
         return {}
     states = [apart(entry, coarser, reference) for entry in all_states(history)]
     found = {name: float(np.nanmax([state[name] for state in states])) for name in states[-1]}
-    energy = reference.dissipated_energy()
-    return found | ({"dissipated_energy": abs((coarser.dissipated_energy() or 0.0) / energy - 1)} if energy else {})
+    return found | {"dissipated_energy": _own_error_of_energy(reference)}
+
+
+def _own_error_of_energy(reference: Reference) -> float:
+    energy, coarser = reference.dissipated_energy(), reference.coarser
+    return abs((coarser.dissipated_energy() or 0.0) / energy - 1) if energy and coarser else 0.0
 
 
 def worst(history: History, reference: Reference) -> dict[str, float]:

@@ -14,6 +14,7 @@ import numpy as np
 from forms.contact import BACKWARD, CLOSED, DRIVEN_BACKWARD, DRIVEN_FORWARD, FORWARD, LIFTED, OPEN, PINNED
 
 from ..fem.contact_problem import ContactProblem, Y
+from ..fem.surface_points import AllPoints
 
 SIDES = -1, 1  # left, right
 LEAST = 2  # points between the edge of one iterate and the next for which it is done
@@ -25,14 +26,8 @@ class EdgeJumps:
     """Contact states to impose on the points of a frictional problem, from those of successive iterates."""
 
     def __init__(self, problem: ContactProblem):
-        self._comm = problem.body.mesh.comm
-        self._lifts = Y in problem.directions
-        parts = self._comm.allgather((problem.points.x, problem.points.middle))
-        x, middle = (np.concatenate(part) for part in zip(*parts))
-        self._order = np.lexsort((middle, x))
-        self._x = x[self._order]
-        start = sum(len(part[0]) for part in parts[: self._comm.rank])
-        self._mine = np.argsort(self._order)[start : start + len(problem.points.x)]
+        self._points = AllPoints(problem.points)
+        self._x, self._lifts = self._points.x, Y in problem.directions
         k = float(getattr(problem.body.modulus, "k", 0.0))
         self._inwards, self._outwards = 2 / (1 + k), 2 / (3 - k)
         self._used: np.ndarray | None = None  # edges of the last step,
@@ -47,7 +42,7 @@ class EdgeJumps:
 
         states: those of Coulomb's law at the present iterate (m,); jump: whether edges may.
         """
-        law, before = self._gathered(states), self._states
+        law, before = self._points.gathered(states), self._states
         imposed = np.zeros(len(law))
         if before is not None:  # a point that turns round at once has slid back too far: it sticks in between
             turned = _sliding(before) * _sliding(law) == -1
@@ -62,7 +57,7 @@ class EdgeJumps:
         for value, state in ((DRIVEN_FORWARD, FORWARD), (DRIVEN_BACKWARD, BACKWARD), (LIFTED, OPEN), (PINNED, CLOSED)):
             law = np.where(imposed == value, state, law)
         self._states, self._used = law, edges
-        return imposed[self._mine] if np.any(imposed) else None
+        return self._points.mine(imposed) if np.any(imposed) else None
 
     def _jump(self, used, edges, law, imposed):
         """Impose states (n,) on the points between ``edges`` of Coulomb's law and those (4,) returned."""
@@ -96,9 +91,6 @@ class EdgeJumps:
             return None
         ends = np.array([contact[0], stick.start, stick.stop, contact[-1] + 1])
         return (self._x[ends - 1] + self._x[ends]) / 2
-
-    def _gathered(self, values):
-        return np.concatenate(self._comm.allgather(values))[self._order]
 
 
 def _stick(states: np.ndarray) -> slice | None:

@@ -17,7 +17,7 @@ SPACING = POINTS[1] - POINTS[0]
 def jumps(k):
     """For points with a gap of SPACING on a solid of exponent k."""
     body = SimpleNamespace(mesh=SimpleNamespace(comm=MPI.COMM_SELF), modulus=SimpleNamespace(k=k))
-    points = SimpleNamespace(x=POINTS, middle=POINTS)
+    points = SimpleNamespace(x=POINTS, middle=POINTS, body=body)
     return EdgeJumps(SimpleNamespace(body=body, directions=(X, Y), points=points))
 
 
