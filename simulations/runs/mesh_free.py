@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from analytic import PressingWithFriction
 from analytic.half_plane.state import ContactState
 
 from ..fem.load import Load
@@ -29,8 +30,8 @@ class MeshFree:
 
     nodes: how many at each load step, the next number where one does not converge, and then with how many it did;
     finer: load steps for one of the simulation; tell: called after each. coarser: the same with fewer of both, made
-    if ``estimated`` and where P changes under friction: points that enter contact within a load step there keep an
-    error of first order in it. The difference is about the error of this solution.
+    if ``estimated``: points that enter contact within a load step keep an error of first order in it, also at
+    constant P where coupling moves the contact. The difference is about the error of this solution.
     """
 
     name = "mesh-free half-plane solver"
@@ -63,10 +64,8 @@ class MeshFree:
             raise NoReference(f"{failure}; {coating}" if coating else str(failure))
         self._states = [states[place] for place in places]
         self._schedule = simulation.schedule
-        self._pressing = simulation.pressing_with_friction()
-        pairs = zip(simulation.schedule, simulation.schedule[1:])
-        changing = any(a.P != b.P for b, a in pairs if friction_first or a.branch != "normal")
-        self.coarser = MeshFree(simulation, nodes=COARSER_NODES, finer=1) if estimated and changing else None
+        self._energy = self._dissipated(simulation.pressing_with_friction())
+        self.coarser = MeshFree(simulation, nodes=COARSER_NODES, finer=1) if estimated else None
 
     def _at(self, entry: Entry) -> ContactState:
         return self._states[entry.number]
@@ -100,11 +99,14 @@ class MeshFree:
         """Of the last full cycle, where there is none since first contact: while P grows alone by the exact contact,
         where that is known, as the load steps of this solver add an error of first order there.
         """
+        return self._energy
+
+    def _dissipated(self, pressing: PressingWithFriction | None) -> float:
         found = last_cycle(self._states, self._schedule)
-        if self._pressing is None or self._schedule[-1].cycle:
+        if pressing is None or self._schedule[-1].cycle:
             return found
         pressed = sum(step.branch == "normal" for step in self._schedule) - 1
-        exact = replace(self._pressing, P=self._schedule[pressed].load.P).dissipated_energy
+        exact = replace(pressing, P=self._schedule[pressed].load.P).dissipated_energy
         return found + exact - self._states[pressed].dissipated_energy
 
 
