@@ -32,12 +32,14 @@ class EdgeJumps:
         self._inwards, self._outwards = 2 / (1 + k), 2 / (3 - k)
         self._used: np.ndarray | None = None  # edges of the last step,
         self._states: np.ndarray | None = None  # and its states
+        self._places: list[np.ndarray] = []  # points beyond the edges of the steps so far
         self._accepted: list[tuple] = []  # loads and edges of the last load steps that went one way, three at most
         self._expected: np.ndarray | None = None  # edges on the polynomial through these
 
     def begin(self, load):
         """Forget the last step; edges are expected where those accepted lead under ``load`` (fem.load.Load), if any."""
         self._states = self._used = self._expected = None
+        self._places = []
         if load is not None and len(self._accepted) >= 2:
             loads, edges = (np.array(values) for values in zip(*self._accepted))
             done = loads[-1] - loads[-2]
@@ -70,7 +72,7 @@ class EdgeJumps:
         edges, used = self._edges(zones), self._used
         if jump and edges is not None and (used is not None or self._expected is not None):
             new = self._expected if used is None else self._moved_edges(used, edges)
-            edges = self._jump(new, edges, zones, imposed)
+            edges = self._jump(self._new_places(new, edges), edges, zones, imposed)
             imposed[against & (self._x > edges[1]) & (self._x < edges[2])] = PINNED
         for value, state in ((DRIVEN_FORWARD, FORWARD), (DRIVEN_BACKWARD, BACKWARD), (LIFTED, OPEN), (PINNED, CLOSED)):
             law = np.where(imposed == value, state, law)
@@ -78,7 +80,15 @@ class EdgeJumps:
         return self._points.mine(imposed) if np.any(imposed) else None
 
     def _moved_edges(self, used, edges):
+        """Where the edges (4,) are, from those of the last step and of the law."""
         return np.array([self._moved(u, e, side) for u, e, side in zip(used, edges, np.repeat(SIDES, 2))])
+
+    def _new_places(self, new, edges):
+        """Those of ``new`` edges where none was before in this solve, and the law's ``edges`` for the others."""
+        places = np.searchsorted(self._x, new)
+        again = np.any(np.reshape(self._places, (-1, 4)) == places, axis=0)
+        self._places.append(places)
+        return np.where(again, edges, new)
 
     def _jump(self, new, edges, law, imposed):
         """Impose states (n,) on the points between ``edges`` of Coulomb's law and ``new`` ones, which are returned."""
