@@ -229,7 +229,7 @@ class Newton:
 
     def accept(self, load):
         """Keep what was solved: a load step has ended."""
-        if self._jumps is not None:
+        if self._jumps is not None and self._states is not None:
             turned = len(self._accepted) == 2 and not self.extrapolation(load)
             self._jumps.accept(load, self._states, turned)
         self._accepted = [*self._accepted[-1:], (load, self.x.copy())]
