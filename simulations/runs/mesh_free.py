@@ -9,6 +9,7 @@ from analytic import PressingWithFriction
 from analytic.half_plane.state import ContactState
 
 from ..fem.load import Load
+from ..loading.schedule import LoadStep
 from .expected_edges import half_plane_solver
 from .history import Entry
 from .limits import coating_keys
@@ -45,7 +46,7 @@ class MeshFree:
         estimated: bool = False,
     ):
         friction_first = "friction in normal stage" in simulation.effects
-        loads, places = refined([step.load for step in simulation.schedule], friction_first, finer)
+        loads, places = refined(simulation.schedule, friction_first, finer)
         failure = None
         for count in nodes:
             try:
@@ -110,15 +111,14 @@ class MeshFree:
         return found + exact - self._states[pressed].dissipated_energy
 
 
-def refined(loads: list[Load], friction_first: bool, finer: int = FINER) -> tuple[list[Load], list[int]]:
-    """Loads with ``finer`` steps in the place of one, and where the given ones are among them.
+def refined(schedule: list[LoadStep], friction_first: bool, finer: int = FINER) -> tuple[list[Load], list[int]]:
+    """Loads with ``finer`` steps in the place of one, and where those of the schedule are among them.
 
     The first stays one step, as does frictionless pressing, which leaves no memory.
     """
-    all_loads, places = [loads[0]], [0]
-    for before, after in zip(loads, loads[1:]):
-        steps = finer if friction_first or any(after[1:]) or any(before[1:]) else 1
-        for share in np.arange(1, steps + 1) / steps:
-            all_loads.append(Load(*(b + share * (a - b) for b, a in zip(before, after))))
+    all_loads, places = [schedule[0].load], [0]
+    for before, step in zip((step.load for step in schedule), schedule[1:]):
+        steps = finer if friction_first or any(step.load[1:]) or any(before[1:]) else 1
+        all_loads += [step.on_the_way(before, share) for share in np.arange(1, steps + 1) / steps]
         places.append(len(all_loads) - 1)
     return all_loads, places
