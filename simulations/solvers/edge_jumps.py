@@ -5,8 +5,11 @@ A linear step keeps the contact states that it was made with. Where an edge of t
 distance from the edge, up to e²: B d^(β-1) (d - β e). It vanishes at d = β e, and so the next contact states are off by
 (1 - β) e still. Where the edge lies too far in, the gap (or the slip) beyond it is G d^(β-k) (d - (β-k+1) e), and the
 next edge is too far out by (β-k) e. As both factors are known so is e: states that lie beyond are imposed on the points
-between for one step. There points that were made to slide may turn round; they belong to the zone of stick again. The
-test of what is accepted knows nothing of all this.
+between for one step. There points that were made to slide may turn round; they belong to the zone of stick again.
+
+The facets move edges a little, and so a jump may overshoot: none goes to where the edge was before in the same solve.
+Where the load goes on as it did, the first jump is to the edges expected: those of the last three load steps lie on a
+parabola. The test of what is accepted knows nothing of all this.
 """
 
 import numpy as np
