@@ -6,7 +6,8 @@ import numpy as np
 
 from ..half_plane.linear import ContactNotConverged
 from ..material import GradedHalfPlane
-from .branch import Branch, turned_guess, uncoupled_guess
+from . import guess
+from .branch import Branch
 from .problem import NormalStage
 from .state import CoupledState, Units
 
@@ -62,9 +63,8 @@ class CoupledLoop:
         states: list[CoupledState] = []
         for direction, Qs in branches_of(loads):
             span = abs(Qs[-1] - base.Q)
-            guess = self._guess(branches, direction)
             try:
-                branch = Branch(problem, base, direction, span, guess)
+                branch = Branch(problem, base, direction, span, self._guess(branches))
                 reached = [branch.state(Q) for Q in Qs]
                 works = [branch.dissipated(state) for state in reached]
             except ContactNotConverged as failure:
@@ -76,15 +76,13 @@ class CoupledLoop:
             branches.append(branch)
         return states
 
-    def _guess(self, branches, direction):
-        """Variables of the edges after a turn, from the branches before it."""
+    def _guess(self, branches):
+        """Guess of the edges after a turn, from the branches before it."""
         if not branches:
-            return uncoupled_guess(self.solid.k, self.mu)
+            return guess.uncoupled(self.solid.k, self.mu)
         if len(branches) > 2:
             return branches[-2].guessed
-        if len(branches) == 2:
-            return lambda load: branches[-1].guessed(load)[::-1] * [-1, 1, 1, -1]
-        return turned_guess(branches[0])
+        return (guess.mirrored if len(branches) == 2 else guess.turned)(branches[-1])
 
 
 def branches_of(loads):
