@@ -105,20 +105,21 @@ class SlipState:
         return np.stack([p, self.friction * p - r])
 
     @cached_property
-    def _limits(self):
-        """p and q at the nodes of the table."""
-        p, q = self.tractions(self.table.panels.nodes)
-        return np.stack([p, q]).reshape(2, -1, NODES)
+    def _sampled(self):
+        """Panels that shrink towards the edges of contact too, and p and q at their nodes, shape (2, panels, NODES)."""
+        points = [self.contact[0], *self.breaks, self.contact[1]]
+        panels = shrinking(points, self.problem.k)
+        return panels, self.tractions(panels.nodes).reshape(2, -1, NODES)
 
     def limit_between(self, friction, low, high, x):
         """Panels between two points, and friction p - q at their nodes, for integrals with kernels that end at x."""
-        points = self.table.panels.low
-        first, last = np.searchsorted(points, low, side="right"), np.searchsorted(points, high)
-        fine = Panels.between(np.array([low, *points[first:last], high]))
-        p, q = self._limits[:, first - 1 : last].copy()
+        sampled, values = self._sampled
+        first, last = np.searchsorted(sampled.low, low, side="right"), np.searchsorted(sampled.low, high)
+        panels = Panels.between(np.array([low, *sampled.low[first:last], high]))
+        p, q = values[:, first - 1 : last].copy()
         for i, panel in ((0, slice(NODES)), (-1, slice(-NODES, None))):  # cut off
-            p[i], q[i] = self.tractions(fine.nodes[panel])
-        return _merged(fine, friction * p - q, self.breaks[(self.breaks > low) & (self.breaks < high)], x)
+            p[i], q[i] = self.tractions(panels.nodes[panel])
+        return _merged(panels, friction * p - q, self.breaks[(self.breaks > low) & (self.breaks < high)], x)
 
     @cached_property
     def _sources(self):
