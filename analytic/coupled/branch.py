@@ -12,12 +12,14 @@ from .full_stick import stick_compliance
 from .panels import gauss
 from .problem import NormalStage
 
-FIRST = 0.03  # the least of them over the span of the branch,
-FIRST_BORNE = 0.3  # and the least that must have a solution
+FIRST = 0.02  # least load over the span of the branch, where there is a solution,
+FIRST_BORNE = 0.5  # and from which on there must be one,
+STRIDE, HALVINGS = 3.0, 2  # factor between loads on the way there, halvings of its logarithm where there is none,
+COARSER = 1.5  # and how much larger the least load is if the loop is ``like`` another
 POWER = 3.0  # of the variable in which the loads are spread, see ``Branch._spread``
 LATER = 6  # number of loads in the parts after the first
 MIDDLE = 0.3  # span at which the first of them is sought
-SPARSE = 3  # one of so many loads is solved before it is known where a stick edge passes an earlier turn
+SPARSE = 3  # so many loads are solved before it is known where a stick edge passes an earlier turn
 LEAST_WIDTH = 0.02  # of slip inside the contact at the turn, over the load, where a solution is still sought
 PATIENCE = 12  # iterations at loads that need no solution
 CONDITIONS = 1e-5  # violation of the conditions of friction that is borne, in units of the problem
@@ -27,40 +29,39 @@ WORK_NODES = 24  # of the integral over the loads, and of that over each part of
 class Branch:
     """States while Q moves from the turn ``base`` in one direction, +1 or -1, up to the distance ``span``.
 
-    guess: variables of the edges (see ``guess``) as a function of the distance from the turn.
-    loads: distances from the turn at which states are known; parts: those where a stick edge passes a place where it
-    turned before, between which delta_x is smooth.
+    guess: variables of the edges (see ``guess``) as a function of the distance from the turn; like: this branch with
+    another order of the basis. loads: distances from the turn at which states are known; parts: those where a stick
+    edge passes a place where it turned before, between which delta_x is smooth.
     """
 
-    def __init__(self, problem, base, direction, span, guess):
+    def __init__(self, problem, base, direction, span, guess, like=None):
         self.problem, self.base, self.direction, self.span = problem, base, direction, span
         self._limit = problem.mu * (1 if isinstance(base, NormalStage) else 2)
         self._solver = EdgeSolver(problem, base, direction * problem.mu)
-        self._guess = guess
+        self._guess = like.guessed if like else guess
         self._stuck = stick_compliance(problem, (base.contact[1] - base.contact[0]) / 2)
         self.loads, self._known = np.empty(0), []
-        nodes = [self._spread(0.0, span, max(problem.order, 4))]
-        self._solve_at(nodes[0][::-SPARSE][::-1])
+        count = max(problem.order, 4)
+        first = min(COARSER * like.loads[0], FIRST_BORNE * span) if like else FIRST * span
+        self._solve_at(self._spread(FIRST_BORNE * span, span, SPARSE))
+        self._reach(first)
         crossings = self._crossings()
         self.parts = np.array([0.0, *crossings, span])
-        if crossings:
-            counts = [max(problem.order, 4), *[LATER] * len(crossings)]
-            nodes = [self._spread(*part) for part in zip(self.parts, self.parts[1:], counts, strict=False)]
-        for loads in nodes:
+        lows, counts = [self.loads[0], *crossings], [count, *[LATER] * len(crossings)]
+        self._nodes = [self._spread(*part) for part in zip(lows, self.parts[1:], counts, strict=True)]
+        for loads in self._nodes:
             self._solve_at(loads)
-        self._nodes = nodes
 
     def _progress(self, load):
         """1 - c/a as it is without coupling, (48): in this variable delta_x is smooth up to full slip."""
         return -np.expm1(np.log1p(-load / self._limit) / (2 + self.problem.k))
 
     def _spread(self, low, high, count):
-        """Loads between low and high, Chebyshev points in a root of ``_progress``, both ends included or nearly so."""
-        first = FIRST * high if low == 0 else low
-        first, last = (self._progress(load) ** (1 / POWER) for load in (first, high))
+        """Loads from low to high, Chebyshev points in a root of ``_progress``."""
+        first, last = (self._progress(load) ** (1 / POWER) for load in (low, high))
         v = first + (last - first) * (1 - np.cos(np.pi * np.arange(count) / (count - 1))) / 2
         loads = -self._limit * np.expm1(np.log1p(-(v**POWER)) * (2 + self.problem.k))
-        loads[-1] = high
+        loads[[0, -1]] = low, high
         return loads
 
     def _solve_at(self, loads):
@@ -72,15 +73,27 @@ class Branch:
         for load in (*loads[start:], *loads[:start][::-1]):
             if np.any(np.abs(self.loads - load) < 1e-12 * self.span):
                 continue
-            needed = load > FIRST_BORNE * self.span or not len(self.loads)
-            if not needed and self._hopeless(load):
+            if load > FIRST_BORNE * self.span or not len(self.loads):
+                self._add(load, *self._solved(load))
+            elif not self._tried(load):
                 break
-            try:
-                self._add(load, *self._solved(load, ITERATIONS if needed else PATIENCE))
-            except ContactNotConverged:
-                if needed:
-                    raise
-                break
+
+    def _tried(self, load):
+        """True if there is a solution at a load, which is added."""
+        if self._hopeless(load):
+            return False
+        try:
+            self._add(load, *self._solved(load, PATIENCE))
+        except ContactNotConverged:
+            return False
+        return True
+
+    def _reach(self, first):
+        """Adds states at smaller loads, as far as ``first`` or as there are solutions."""
+        stride, halvings = STRIDE, 0
+        while self.loads[0] > first and halvings <= HALVINGS:
+            if not self._tried(max(self.loads[0] / stride, first)):
+                stride, halvings = np.sqrt(stride), halvings + 1
 
     def _hopeless(self, load):
         """True where slip, as it shrinks towards the turn, has left the contact at the turn; over the log of the load."""
@@ -174,13 +187,13 @@ class Branch:
         """(delta_x since the turn / load - that in full stick) / load, a function of ``_progress``^(1/POWER) for each
         of the ``parts``; it changes like the logarithm of the load just after the turn."""
         functions = []
-        for low, nodes in zip(self.parts, self._nodes, strict=False):
-            known = [k for k in self._known if np.abs(nodes - k[0]).min() < 1e-12 * self.span]
+        for nodes in self._nodes:
+            known = [k for k in self._known if nodes[0] <= k[0] <= nodes[-1]]
             t = np.array([k[0] for k in known])
             moved = self.direction * (np.array([k[1].delta_x for k in known]) - self.base.delta_x)
             v = self._progress(t) ** (1 / POWER)
             values = (moved / t - self._stuck) / t
-            functions.append(Chebyshev.fit(v, values, len(t) - 1, domain=[v[0], v[-1]]))
+            functions.append(Chebyshev.fit(v, values, min(len(t), len(nodes)) - 1, domain=[v[0], v[-1]]))
         return functions
 
     def _motion_integral(self, load):
