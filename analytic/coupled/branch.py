@@ -16,7 +16,7 @@ FIRST = 0.02  # least load over the span of the branch, where there is a solutio
 FIRST_BORNE = 0.5  # and from which on there must be one,
 STRIDE, HALVINGS = 3.0, 2  # factor between loads on the way there, halvings of its logarithm where there is none,
 COARSER = 1.5  # and how much larger the least load is if the loop is ``like`` another
-POWER = 3.0  # of the variable in which the loads are spread, see ``Branch._spread``
+POWER = 2.0  # of the variable in which the loads are spread, see ``Branch._spread``
 LATER = 6  # number of loads in the parts after the first
 MIDDLE = 0.3  # span at which the first of them is sought
 SPARSE = 3  # so many loads are solved before it is known where a stick edge passes an earlier turn
@@ -41,7 +41,7 @@ class Branch:
         self._guess = like.guessed if like else guess
         self._stuck = stick_compliance(problem, (base.contact[1] - base.contact[0]) / 2)
         self.loads, self._known = np.empty(0), []
-        count = max(problem.order, 4)
+        count = problem.order + 2
         first = min(COARSER * like.loads[0], FIRST_BORNE * span) if like else FIRST * span
         self._solve_at(self._spread(FIRST_BORNE * span, span, SPARSE))
         self._reach(first)
@@ -57,7 +57,7 @@ class Branch:
         return -np.expm1(np.log1p(-load / self._limit) / (2 + self.problem.k))
 
     def _spread(self, low, high, count):
-        """Loads from low to high, Chebyshev points in a root of ``_progress``."""
+        """Loads from low to high, Chebyshev points in the root of ``_progress``."""
         first, last = (self._progress(load) ** (1 / POWER) for load in (low, high))
         v = first + (last - first) * (1 - np.cos(np.pi * np.arange(count) / (count - 1))) / 2
         loads = -self._limit * np.expm1(np.log1p(-(v**POWER)) * (2 + self.problem.k))
