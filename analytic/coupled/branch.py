@@ -22,6 +22,7 @@ MIDDLE = 0.3  # span at which the first of them is sought
 SPARSE = 3  # so many loads are solved before it is known where a stick edge passes an earlier turn
 LEAST_WIDTH = 0.02  # of slip inside the contact at the turn, over the load, where a solution is still sought
 PATIENCE = 12  # iterations at loads that need no solution
+BEYOND = 0.3  # logarithm of the load over which the motion is continued to the turn
 CONDITIONS = 1e-5  # violation of the conditions of friction that is borne, in units of the problem
 WORK_NODES = 24  # of the integral over the loads, and of that over each part of a zone of slip
 
@@ -96,7 +97,7 @@ class Branch:
                 stride, halvings = np.sqrt(stride), halvings + 1
 
     def _hopeless(self, load):
-        """True where slip, as it shrinks towards the turn, has left the contact at the turn; over the log of the load."""
+        """True where slip, continued over the logarithm of the load, has left the contact at the turn or has closed."""
         if len(self.loads) < 2 or load > self.loads[0]:
             return False
         t, next_t = np.log(self.loads[:2]), np.log(load)
@@ -202,11 +203,12 @@ class Branch:
         total = self._stuck * load**2 / 2
         for low, high, function in zip(self.parts, self.parts[1:], self._softening, strict=False):
             high = min(high, load)
-            if low == 0:  # up to the first known state over the logarithm of the load
+            if low == 0:  # up to the first known state as a parabola over the logarithm of the load
                 low = min(self.loads[0], load)
-                first, last = function.domain[0], self._progress(self.loads[0] * (1 + 1e-6)) ** (1 / POWER)
-                slope = function.deriv()(first) * (last - first) / 1e-6
-                total += low**3 / 3 * (function(first) + slope * (np.log(low / self.loads[0]) - 1 / 3))
+                u = np.array([0.0, BEYOND / 2, BEYOND])
+                parabola = np.polyfit(u, function(self._progress(self.loads[0] * np.exp(u)) ** (1 / POWER)), 2)
+                u = np.log(low / self.loads[0])
+                total += low**3 / 3 * (parabola @ [u**2 - 2 * u / 3 + 2 / 9, u - 1 / 3, 1])
             if high > low:
                 t = low + (high - low) * (1 + g) / 2
                 total += (high - low) / 2 * (w @ (t**2 * function(self._progress(t) ** (1 / POWER))))

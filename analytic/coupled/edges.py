@@ -66,7 +66,8 @@ class EdgeSolver:
         now, before, longest, cuts, margin, stalls = solution(y), np.inf, LONGEST, 0, MARGIN, 0
         for _ in range(iterations):
             size = np.abs(now.amplitudes).max()
-            if size < SETTLED or (size > before / 2 and size < BORNE):
+            # after one step at least: a guess by another order of the basis would be returned as it is
+            if (size < SETTLED and before < np.inf) or (size > before / 2 and size < BORNE):
                 return now.state, y
             stalls += size > SLOW * before
             if stalls > STALLS:
@@ -97,7 +98,8 @@ class EdgeSolver:
         x_l, c_l, c_r, x_r = self._edges(y, load)
         widths = np.array([c_l - x_l, c_l - x_l, x_r - c_r, x_r - c_r])
         left, inner_left, inner_right, right = now.amplitudes / now.rates * widths
-        return np.array([-left / load, (left - inner_left) / widths[1], (right - inner_right) / widths[2], right / load])
+        motions = -left, left - inner_left, right - inner_right, right
+        return np.array(motions) / [load, widths[1], widths[2], load]
 
     def _leaps(self, y, now, step, load, margin):
         """Changes of variables that take an edge of stick over a stretch on which its amplitude hardly changes.

@@ -94,7 +94,7 @@ def solve(problem, base, friction, edges, layout, Q) -> Solution:
     u = np.linalg.solve(A, right)
     at_ends = at_edges(*limit) @ u[:n] + of_known
     at_stick, after_stick = np.sign(f) * stick.amplitudes(u[:n])
-    # p = w (a/(1 + t) + b/(1 - t) + D + beta H[r/w]) at the edges, where H is the integral against 1/(x_l - x), 1/(x_r - x)
+    # towards the edges p = w (ends[0]/(1 + t) + ends[1]/(1 - t) + D + beta H[r/w])
     ends = np.array([u[n] - u[n + 1], u[n] + u[n + 1]]) / 2
     bounded = D(np.array([-1.0, 1.0])) + ends[::-1] / 2 + beta * at_ends
     scale = contact.half / D(0.0)

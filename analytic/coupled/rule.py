@@ -5,17 +5,17 @@ from functools import lru_cache
 import numpy as np
 from scipy.special import roots_sh_jacobi
 
-from .panels import NODES, Panels
+from .panels import Panels
 
 RATIO = 0.35  # of panels towards an edge, as far as points of stick are
 END, END_NODES = 0.5, 12  # piece at an edge that has Gauss-Jacobi rules, over the width of slip, and nodes of each
 
 
 class ContactRule:
-    """Nodes x in a contact, for integrals of w f, w f/(1 - t²), v f and root f with v = (1 - t²)^(k/2), root = (1 - t²)^(1/2).
+    """Nodes x in a contact, for integrals of w f, w f/(1 - t²), v f and root f over it.
 
-    f has no singularity at the edges, but may have some in stick. At the edges each of the three powers of distance
-    has nodes of its own, at which the others are zero. contact: see ``weight.Contact``; stick: its two ends.
+    v = (1 - t²)^(k/2), root = (1 - t²)^(1/2); f has no singularity at the edges, but may have some in stick. At the
+    edges each of the three powers of distance has nodes of its own, at which the others are zero. contact: see ``weight.Contact``; stick: its two ends.
     t: nodes over half the contact; w, w_over, v, root: at the nodes, shape (n,); weights: of the sum over nodes.
     """
 

@@ -56,7 +56,8 @@ class CoupledState:
         self.delta_x = units.displacement * state.delta_x + units.shift_x * state.Q
         self.delta_y = units.displacement * state.delta_y + units.shift_y
         self.branch, self.iterations = branch, branch.solves if branch else 0
-        x, weight = smooth_rule(*state.contact, state.breaks)
+        x_l, x_r = state.contact
+        x, weight = smooth_rule(x_l, x_r, state.breaks)
         self._nodes = x
         self.x, self.weight, self.gap = units.length * x, units.length * weight, np.zeros(len(x))
         self.weight_q = self.weight

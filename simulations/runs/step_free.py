@@ -23,8 +23,8 @@ def serves(simulation: Simulation) -> bool:
 class StepFree:
     """States of ``analytic.CoupledLoop`` at the load steps of a simulation; NoReference where it does not converge.
 
-    order: of its basis; like: states of another order, see ``CoupledLoop.run``. coarser: the same with a lower order, made if ``estimated``; the difference is more than the
-    error of this solution.
+    order: of its basis; like: states of another order, see ``CoupledLoop.run``. coarser: the same with a lower order,
+    made if ``estimated``; the difference is more than the error of this solution.
     """
 
     name = "half-plane solver without load steps"
