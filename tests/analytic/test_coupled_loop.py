@@ -179,7 +179,7 @@ def test_rates_of_the_amplitudes():
 
 @pytest.mark.parametrize(("k", "nu"), [(0.0, 0.3), (0.3, 0.2), (0.7, 0.2)])
 def test_compliance_of_full_stick(k, nu):
-    """The indenter moves so just after Q begins, where slip adds Q² (A + B ln Q) or nearly so; without coupling (13)."""
+    """The indenter moves so just after Q begins, where slip adds nearly Q² (A + B ln Q); without coupling (13)."""
     states = CoupledLoop(solid_of(k, nu), PROFILE, P, MU, order=8).run(loads(0.6 * MU * P, 0.7, 1))
     branch = states[-1].branch
     t, moved = branch.loads[:3], np.array([state.delta_x for _, state, _ in branch._known[:3]])
