@@ -17,8 +17,9 @@ FIRST_BORNE = 0.5  # and from which on there must be one,
 STRIDE, HALVINGS = 3.0, 2  # factor between loads on the way there, halvings of its logarithm where there is none,
 COARSER = 1.5  # and how much larger the least load is if the loop is ``like`` another
 POWER = 2.0  # of the variable in which the loads are spread, see ``Branch._spread``
-LATER = 6  # number of loads in the parts after the first
+EXTRA, LATER = 4, 6  # number of loads in the first part more than the order is, and in each of the others
 MIDDLE = 0.3  # span at which the first of them is sought
+SHORTEST, CLOSER = 1e-3, 3  # part at the end of a branch over its span, and states on the way to where it begins
 SPARSE = 3  # so many loads are solved before it is known where a stick edge passes an earlier turn
 LEAST_WIDTH = 0.02  # of slip inside the contact at the turn, over the load, where a solution is still sought
 PATIENCE = 12  # iterations at loads that need no solution
@@ -42,7 +43,7 @@ class Branch:
         self._guess = like.guessed if like else guess
         self._stuck = stick_compliance(problem, (base.contact[1] - base.contact[0]) / 2)
         self.loads, self._known = np.empty(0), []
-        count = problem.order + 2
+        count = problem.order + EXTRA
         first = min(COARSER * like.loads[0], FIRST_BORNE * span) if like else FIRST * span
         self._solve_at(self._spread(FIRST_BORNE * span, span, SPARSE))
         self._reach(first)
@@ -166,7 +167,7 @@ class Branch:
                 if passed[-1] and not passed[0]:
                     i = passed.index(True)
                     result.append(self._crossing(x, end, self.loads[i - 1], self.loads[i]))
-        return sorted(load for load in result if FIRST < load / self.span < 1 - FIRST)
+        return sorted(load for load in result if FIRST < load / self.span < 1 - SHORTEST)
 
     def _crossing(self, x, end, low, high):
         """Load between low and high at which a stick edge is at x, by interpolation."""
@@ -176,11 +177,12 @@ class Branch:
 
         if distance(low) * distance(high) > 0:
             return high
-        load = brentq(distance, low, high)
-        if load < (1 - FIRST) * self.span:  # once more, from a state close by
+        for _ in range(CLOSER):
+            load = brentq(distance, low, high)
+            if min(load - low, high - load) < SHORTEST * self.span:
+                break
             self._solve_at(np.array([load]))
-            if distance(low) * distance(high) < 0:
-                return brentq(distance, low, high)
+            low, high = (low, load) if distance(low) * distance(load) < 0 else (load, high)
         return load
 
     @cached_property
