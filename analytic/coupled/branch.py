@@ -7,14 +7,23 @@ from numpy.polynomial import Chebyshev
 from scipy.optimize import brentq
 
 from ..half_plane.linear import ContactNotConverged
-from .edges import EdgeSolver, edges_of, variables_of
+from .edges import ITERATIONS, EdgeSolver, edges_of
+from .full_stick import stick_compliance
 from .panels import gauss
 from .problem import NormalStage
 
-FIRST = 0.02  # the least of them over the span of the branch,
-FIRST_BORNE = 0.3  # and the least that must have a solution
-POWER = 1.5  # of the variable in which the loads are spread, see ``Branch._spread``
+FIRST = 0.02  # least load over the span of the branch, where there is a solution,
+FIRST_BORNE = 0.5  # and from which on there must be one,
+STRIDE, HALVINGS = 3.0, 2  # factor between loads on the way there, halvings of its logarithm where there is none,
+COARSER = 1.5  # and how much larger the least load is if the loop is ``like`` another
+POWER = 2.0  # of the variable in which the loads are spread, see ``Branch._spread``
+EXTRA, LATER = 4, 6  # number of loads in the first part more than the order is, and in each of the others
 MIDDLE = 0.3  # span at which the first of them is sought
+SHORTEST, CLOSER = 1e-3, 3  # part at the end of a branch over its span, and states on the way to where it begins
+SPARSE = 3  # so many loads are solved before it is known where a stick edge passes an earlier turn
+LEAST_WIDTH = 0.02  # of slip inside the contact at the turn, over the load, where a solution is still sought
+PATIENCE = 12  # iterations at loads that need no solution
+BEYOND = 0.3  # logarithm of the load over which the motion is continued to the turn
 CONDITIONS = 1e-5  # violation of the conditions of friction that is borne, in units of the problem
 WORK_NODES = 24  # of the integral over the loads, and of that over each part of a zone of slip
 
@@ -22,39 +31,39 @@ WORK_NODES = 24  # of the integral over the loads, and of that over each part of
 class Branch:
     """States while Q moves from the turn ``base`` in one direction, +1 or -1, up to the distance ``span``.
 
-    guess: variables of the edges (see ``edges_of``) as a function of the distance from the turn.
-    loads: distances from the turn at which states are known; parts: those where a stick edge passes a place where it
-    turned before, between which delta_x is smooth.
+    guess: variables of the edges (see ``guess``) as a function of the distance from the turn; like: this branch with
+    another order of the basis. loads: distances from the turn at which states are known; parts: those where a stick
+    edge passes a place where it turned before, between which delta_x is smooth.
     """
 
-    def __init__(self, problem, base, direction, span, guess):
+    def __init__(self, problem, base, direction, span, guess, like=None):
         self.problem, self.base, self.direction, self.span = problem, base, direction, span
         self._limit = problem.mu * (1 if isinstance(base, NormalStage) else 2)
         self._solver = EdgeSolver(problem, base, direction * problem.mu)
-        self._guess = guess
+        self._guess = like.guessed if like else guess
+        self._stuck = stick_compliance(problem, (base.contact[1] - base.contact[0]) / 2)
         self.loads, self._known = np.empty(0), []
-        nodes = [self._spread(0.0, span)]
-        self._solve_at(nodes[0])
+        count = problem.order + EXTRA
+        first = min(COARSER * like.loads[0], FIRST_BORNE * span) if like else FIRST * span
+        self._solve_at(self._spread(FIRST_BORNE * span, span, SPARSE))
+        self._reach(first)
         crossings = self._crossings()
         self.parts = np.array([0.0, *crossings, span])
-        if crossings:
-            nodes = [self._spread(low, high) for low, high in zip(self.parts, self.parts[1:], strict=False)]
-            for loads in nodes:
-                self._solve_at(loads)
-        self._nodes = nodes
+        lows, counts = [self.loads[0], *crossings], [count, *[LATER] * len(crossings)]
+        self._nodes = [self._spread(*part) for part in zip(lows, self.parts[1:], counts, strict=True)]
+        for loads in self._nodes:
+            self._solve_at(loads)
 
     def _progress(self, load):
         """1 - c/a as it is without coupling, (48): in this variable delta_x is smooth up to full slip."""
         return -np.expm1(np.log1p(-load / self._limit) / (2 + self.problem.k))
 
-    def _spread(self, low, high):
-        """Loads between low and high, Chebyshev points in a power of ``_progress``, both ends included or nearly so."""
-        first = FIRST * high if low == 0 else low
-        first, last = (self._progress(load) ** (1 / POWER) for load in (first, high))
-        count = max(self.problem.order, 4)
+    def _spread(self, low, high, count):
+        """Loads from low to high, Chebyshev points in the root of ``_progress``."""
+        first, last = (self._progress(load) ** (1 / POWER) for load in (low, high))
         v = first + (last - first) * (1 - np.cos(np.pi * np.arange(count) / (count - 1))) / 2
         loads = -self._limit * np.expm1(np.log1p(-(v**POWER)) * (2 + self.problem.k))
-        loads[-1] = high
+        loads[[0, -1]] = low, high
         return loads
 
     def _solve_at(self, loads):
@@ -66,40 +75,67 @@ class Branch:
         for load in (*loads[start:], *loads[:start][::-1]):
             if np.any(np.abs(self.loads - load) < 1e-12 * self.span):
                 continue
-            try:
+            if load > FIRST_BORNE * self.span or not len(self.loads):
                 self._add(load, *self._solved(load))
-            except ContactNotConverged:
-                if load > FIRST_BORNE * self.span or not len(self.loads):
-                    raise
+            elif not self._tried(load):
                 break
 
+    def _tried(self, load):
+        """True if there is a solution at a load, which is added."""
+        if self._hopeless(load):
+            return False
+        try:
+            self._add(load, *self._solved(load, PATIENCE))
+        except ContactNotConverged:
+            return False
+        return True
+
+    def _reach(self, first):
+        """Adds states at smaller loads, as far as ``first`` or as there are solutions."""
+        stride, halvings = STRIDE, 0
+        while self.loads[0] > first and halvings <= HALVINGS:
+            if not self._tried(max(self.loads[0] / stride, first)):
+                stride, halvings = np.sqrt(stride), halvings + 1
+
+    def _hopeless(self, load):
+        """True where slip, continued over the logarithm of the load, has left the contact at the turn or has closed."""
+        if len(self.loads) < 2 or load > self.loads[0]:
+            return False
+        t, next_t = np.log(self.loads[:2]), np.log(load)
+        states = [known[1] for known in self._known[:2]]
+        x_l, x_r = self.base.contact
+        widths = np.array([
+            (min(c - x_l, c - s.contact[0]), min(x_r - d, s.contact[1] - d)) for s in states for c, d in (s.stick,)
+        ])
+        widths /= self.loads[:2, None]
+        expected = widths[0] + (widths[1] - widths[0]) * (next_t - t[0]) / (t[1] - t[0])
+        return bool((expected < LEAST_WIDTH).any())
+
     def _add(self, load, state, variables):
-        self._known.append((load, state, variables - self._guess(load), self._solver.jacobian))
+        self._known.append((load, state, variables - self._guess(load)))
         self._known.sort(key=lambda known: known[0])
         self.loads = np.array([known[0] for known in self._known])
 
-    def _solved(self, load):
-        if len(self.loads):
-            self._solver.jacobian = self._known[int(np.abs(np.log(self.loads / load)).argmin())][3]
-        Q = self.base.Q + self.direction * load
-        return self._solver.state(Q, self.guessed(load))
+    def _solved(self, load, iterations=ITERATIONS):
+        return self._solver.state(self.base.Q + self.direction * load, self.guessed(load), iterations)
 
     def guessed(self, load):
-        """Variables of the edges at a distance from the turn: the guess, and what it lacks at known states, between
-        which this is interpolated over the logarithm of the load."""
+        """Variables of the edges at a distance from the turn: what the guess lacks at known states is interpolated over
+        the logarithm of the load."""
+        variables = self._guess(load)
         if not len(self.loads):
-            return self._guess(load)
+            return variables
         i = int(np.searchsorted(self.loads, load))
         reach = 3 if 0 < i < len(self.loads) else 2
         near = np.arange(max(i - reach, 0), min(i + reach, len(self.loads)))
         t, at = np.log(self.loads[near]), np.log(load)
         weights = [np.prod((at - np.delete(t, i)) / (t[i] - np.delete(t, i))) for i in range(len(t))]
-        return self._guess(load) + weights @ np.array([self._known[i][2] for i in near])
+        return variables + weights @ np.array([self._known[i][2] for i in near])
 
     def state(self, Q):
         """State at Q."""
         load = abs(Q - self.base.Q)
-        for known, state, *_ in self._known:
+        for known, state, _ in self._known:
             if abs(known - load) < 1e-12 * self.span:
                 return state
         return self._solved(load)[0]
@@ -131,7 +167,7 @@ class Branch:
                 if passed[-1] and not passed[0]:
                     i = passed.index(True)
                     result.append(self._crossing(x, end, self.loads[i - 1], self.loads[i]))
-        return sorted(load for load in result if FIRST < load / self.span < 1 - FIRST)
+        return sorted(load for load in result if FIRST < load / self.span < 1 - SHORTEST)
 
     def _crossing(self, x, end, low, high):
         """Load between low and high at which a stick edge is at x, by interpolation."""
@@ -141,35 +177,43 @@ class Branch:
 
         if distance(low) * distance(high) > 0:
             return high
-        load = brentq(distance, low, high)
-        if load < (1 - FIRST) * self.span:  # once more, from a state close by
+        for _ in range(CLOSER):
+            load = brentq(distance, low, high)
+            if min(load - low, high - load) < SHORTEST * self.span:
+                break
             self._solve_at(np.array([load]))
-            if distance(low) * distance(high) < 0:
-                return brentq(distance, low, high)
+            low, high = (low, load) if distance(low) * distance(load) < 0 else (load, high)
         return load
 
     @cached_property
-    def _motion(self):
-        """(delta_x since the turn) / load over _progress^(1/POWER), a function for each of the ``parts``."""
+    def _softening(self):
+        """(delta_x since the turn / load - that in full stick) / load, a function of ``_progress``^(1/POWER) for each
+        of the ``parts``; it changes like the logarithm of the load just after the turn."""
         functions = []
-        for low, high, nodes in zip(self.parts, self.parts[1:], self._nodes, strict=False):
-            known = [k for k in self._known if np.abs(nodes - k[0]).min() < 1e-12 * self.span]
+        for nodes in self._nodes:
+            known = [k for k in self._known if nodes[0] <= k[0] <= nodes[-1]]
             t = np.array([k[0] for k in known])
-            values = np.array([k[1].delta_x for k in known]) - self.base.delta_x
+            moved = self.direction * (np.array([k[1].delta_x for k in known]) - self.base.delta_x)
             v = self._progress(t) ** (1 / POWER)
-            functions.append(Chebyshev.fit(v, values / t, len(t) - 1, domain=[low and v[0], v[-1]]))
+            values = (moved / t - self._stuck) / t
+            functions.append(Chebyshev.fit(v, values, min(len(t), len(nodes)) - 1, domain=[v[0], v[-1]]))
         return functions
 
     def _motion_integral(self, load):
-        """∫ (delta_x since the turn) over the load, from the turn."""
+        """∫ (distance of the indenter since the turn) over the load, from the turn."""
         g, w = gauss(WORK_NODES)
-        total = 0.0
-        for low, high, motion in zip(self.parts, self.parts[1:], self._motion, strict=False):
+        total = self._stuck * load**2 / 2
+        for low, high, function in zip(self.parts, self.parts[1:], self._softening, strict=False):
             high = min(high, load)
+            if low == 0:  # up to the first known state as a parabola over the logarithm of the load
+                low = min(self.loads[0], load)
+                u = np.array([0.0, BEYOND / 2, BEYOND])
+                parabola = np.polyfit(u, function(self._progress(self.loads[0] * np.exp(u)) ** (1 / POWER)), 2)
+                u = np.log(low / self.loads[0])
+                total += low**3 / 3 * (parabola @ [u**2 - 2 * u / 3 + 2 / 9, u - 1 / 3, 1])
             if high > low:
-                v = (1 + g) / 2
-                t = low + (high - low) * v**2
-                total += (high - low) * (w * v) @ (t * motion(self._progress(t) ** (1 / POWER)))
+                t = low + (high - low) * (1 + g) / 2
+                total += (high - low) / 2 * (w @ (t**2 * function(self._progress(t) ** (1 / POWER))))
         return total
 
     def dissipated(self, state):
@@ -179,7 +223,7 @@ class Branch:
         Where the contact sticks these are the indenter's; elsewhere slip and gap are left.
         """
         base, Q = self.base, state.Q - self.base.Q
-        work = Q * (state.delta_x - base.delta_x) / 2 - self.direction * self._motion_integral(abs(Q))
+        work = Q * (state.delta_x - base.delta_x) / 2 - self._motion_integral(abs(Q))
         sides = (
             (min(base.contact[0], state.contact[0]), state.stick[0]),
             (state.stick[1], max(base.contact[1], state.contact[1])),
@@ -202,25 +246,3 @@ def smooth_rule(low, high, breaks):
     points = np.unique([low, *[x for x in breaks if low < x < high], high])
     a, length = points[:-1, None], np.diff(points)[:, None]
     return (a + length * t**3 * (10 - 15 * t + 6 * t**2)).ravel(), (length * w / 2 * 30 * t**2 * (1 - t) ** 2).ravel()
-
-
-def uncoupled_guess(k, limit):
-    """Variables of the edges at a distance from a state of full stick, without coupling, (48)."""
-
-    def guess(load):
-        c = max(1 - load / limit, 1e-3) ** (1 / (2 + k))
-        return variables_of(np.array([-1.0, -c, c, 1.0]), load, (-1.0, 1.0))
-
-    return guess
-
-
-def turned_guess(branch):
-    """Variables after a turn, from a branch of the other direction: as after half the load from there, (36), [X5]."""
-
-    def guess(load):
-        half = np.clip(load / 2, branch.loads[0], branch.span)
-        left, inner_left, inner_right, right = branch.guessed(half)
-        log_2 = np.log(load / half)
-        return np.array([-right, inner_right - log_2, inner_left - log_2, -left])
-
-    return guess

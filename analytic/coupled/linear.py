@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .exponents import hilbert_factors
+from .rule import ContactRule
 from .stick import COARSE, StickBasis
 from .tractions import SlipState
 from .weight import Contact
@@ -12,14 +13,17 @@ from .weight import Contact
 
 @dataclass(frozen=True)
 class Solution:
-    """State for assumed edges, and the amplitudes at x_l, c_l, c_r, x_r of tractions without bound.
+    """State for assumed edges x_l, c_l, c_r, x_r, and what Newton's method needs for the right ones, (4,) each.
 
-    At an edge of contact that of p, at an edge of stick that of |friction| p - |q|; all vanish at the right edges.
-    They are scaled to approximate displacements of the edges over the widths of the zones of slip.
+    amplitudes: of tractions without bound, at an edge of contact of p, at an edge of stick of |friction| p - |q|; they
+    vanish at the right edges, and are scaled to approximate displacements of the edges over the widths of slip.
+    rates: their derivatives by the place of the same edge, outwards, times minus the width of slip. Those by the other
+    edges vanish at the right edges: at fixed x the tractions are stationary there.
     """
 
     state: SlipState
     amplitudes: np.ndarray
+    rates: np.ndarray
 
 
 def solve(problem, base, friction, edges, layout, Q) -> Solution:
@@ -38,59 +42,66 @@ def solve(problem, base, friction, edges, layout, Q) -> Solution:
     chi = d * (1 + f**2 * problem.gk / problem.bk)
     of_even = -(problem.gk + chi * beta * problem.tau)
     of_odd = chi * alpha - f * d * problem.gk / problem.bk
-    panels, from_left, from_right = contact.nodes((c_l, c_r))
-    over = from_left * from_right
-    w = at_w = from_left**contact.left * from_right**contact.right
-    at_even, at_root = over ** (k / 2), np.sqrt(over)
-    local = from_left - 1
+    rule = ContactRule(contact, (c_l, c_r), k)
     D, _, b = contact.profile()
-    odd_s = panels.matrices(x, k)[1]
+    odd_s = rule.odd(x, k)
 
     def of_limit(nodes, weights, contracted):
         """Of r at nodes: u_x in stick without what is constant, ∫ p, ∫ r, ∫ r/w over half."""
         weight = contact.weight(nodes)
         t, left, right = contact.local(nodes)
-        cauchy = weights / np.pi / (panels.nodes[:, None] - nodes)
-        smooth = at_w[:, None] * contracted(cauchy, weight)
-        smooth -= at_even[:, None] * contracted(cauchy, (left * right) ** (k / 2))
+        cauchy = weights / np.pi / (rule.x[:, None] - nodes)
+        smooth = rule.w[:, None] * contracted(cauchy, weight)
+        smooth -= rule.v[:, None] * contracted(cauchy, (left * right) ** (k / 2))
         root = np.sqrt(left * right)
-        load = contracted((panels.weights * at_w @ cauchy)[None], weight)
-        load -= contracted((panels.weights * at_root @ cauchy)[None], root) + contracted((weights * t)[None], root)
+        load = contracted((rule.weights * rule.w @ cauchy)[None], weight)
+        load -= contracted((rule.weights * rule.root @ cauchy + weights * t)[None], root)
         whole = contracted(weights[None], 1.0)[0]
         over_w = contracted(weights[None], weight)[0]
         return chi * beta * (odd_s @ smooth), alpha * whole + beta * load[0], whole, over_w
 
+    def at_edges(nodes, weights, contracted):
+        """H[r/w] at both edges of contact."""
+        return contracted(weights / np.pi / (np.array([[x_l], [x_r]]) - nodes), contact.weight(nodes))
+
     coarse = stick.rule(COARSE)
-    smooth, of_p, of_r, over_w = of_limit(
-        coarse.nodes, coarse.weights, lambda m, w: stick.contracted(m / w, COARSE)
-    )
+    limit = coarse.nodes, coarse.weights, lambda m, w: stick.contracted(m / w, COARSE)
+    smooth, of_p, of_r, over_w = of_limit(*limit)
     even, odd = stick.matrices(k)
     A, right = np.zeros((n + 3, n + 3)), np.zeros(n + 3)
     A[:n, :n] = of_even * even + of_odd * odd + smooth
-    A[:n, n] = chi * (odd_s @ (w / over))
-    A[:n, n + 1] = chi * (odd_s @ (w / over * local))
+    A[:n, n] = chi * (odd_s @ rule.w_over)
+    A[:n, n + 1] = chi * (odd_s @ (rule.w_over * rule.t))
     A[:n, n + 2] = -1
     A[n, :n], A[n, n : n + 2] = of_p, contact.unbounded
     A[n + 1, :n] = of_r
     A[n + 2, :n], A[n + 2, n + 1] = -beta / np.pi / contact.half * over_w, 1
-    profile = w * D(local)
+    profile = rule.w * D(rule.t)
     right[:n] = base.moved(problem, x) - chi * (odd_s @ profile)
     right[:n] += f * problem.gk / problem.bk * problem.height(x)
-    right[n : n + 3] = 1 - panels.weights @ profile, f - Q, b
-    known = None
+    right[n : n + 3] = 1 - rule.weights @ profile, f - Q, b
+    known, of_known = None, 0.0
     if stick.panels and np.any((base.breaks > stick.inner[0]) & (base.breaks < stick.inner[-1])):
-        known = base.limit_between(f, *stick.inner[[0, -1]])
+        known = base.limit_between(f, *stick.inner[[0, -1]], x)
     if known:
         source, r = known
-        smooth, of_p, of_r, over_w = of_limit(source.nodes, source.weights, lambda m, w: m @ (r / w)[:, None])
+        limit_known = source.nodes, source.weights, lambda m, w: m @ (r / w)[:, None]
+        smooth, of_p, of_r, over_w = of_limit(*limit_known)
+        of_known = at_edges(*limit_known)[:, 0]
         even, odd = source.matrices(x, k)
         right[:n] -= of_even * (even @ r) + of_odd * (odd @ r) + smooth[:, 0]
         right[n : n + 3] -= of_p[0], of_r[0], -beta / np.pi / contact.half * over_w[0]
     u = np.linalg.solve(A, right)
-    at_left, at_right = u[n] - u[n + 1], u[n] + u[n + 1]
-    at_stick = np.sign(f) * stick.amplitudes(u[:n])
+    at_ends = at_edges(*limit) @ u[:n] + of_known
+    at_stick, after_stick = np.sign(f) * stick.amplitudes(u[:n])
+    # towards the edges p = w (ends[0]/(1 + t) + ends[1]/(1 - t) + D + beta H[r/w])
+    ends = np.array([u[n] - u[n + 1], u[n] + u[n + 1]]) / 2
+    bounded = D(np.array([-1.0, 1.0])) + ends[::-1] / 2 + beta * at_ends
+    scale = contact.half / D(0.0)
     widths = np.array([c_l - x_l, c_l - x_l, x_r - c_r, x_r - c_r])
-    scale = contact.half / D(0.0) / 2
-    amplitudes = np.array([at_left * scale, *at_stick, at_right * scale]) / widths
+    amplitudes = scale * np.array([ends[0], at_stick[0] / 2, at_stick[1] / 2, ends[1]]) / widths
+    exponents = [contact.left, stick.exponents[0] + 1, stick.exponents[1] + 1, contact.right]
+    rates = scale * np.array([bounded[0], after_stick[0] / 2, after_stick[1] / 2, bounded[1]]) * exponents
+    rates[[0, 3]] /= contact.half
     state = SlipState(problem, base, f, Q, contact, stick, u[:n], (alpha, beta), D, known is not None)
-    return Solution(state, amplitudes)
+    return Solution(state, amplitudes, rates)

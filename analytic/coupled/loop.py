@@ -1,12 +1,14 @@
 """Coupled frictional contact under a tangential load that goes to and fro at constant P, without load steps."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from ..half_plane.linear import ContactNotConverged
 from ..material import GradedHalfPlane
-from .branch import Branch, turned_guess, uncoupled_guess
+from . import guess
+from .branch import Branch
 from .problem import NormalStage
 from .state import CoupledState, Units
 
@@ -30,8 +32,11 @@ class CoupledLoop:
     coupling: bool = True
     order: int = ORDER
 
-    def run(self, loads) -> list[CoupledState]:
+    def run(self, loads, like: Sequence[CoupledState] = ()) -> list[CoupledState]:
         """State after every load (P, Q) of ``loads``; the first ones have Q = 0, the others the same P.
+
+        like: states at the same loads of a basis of another order, from which the edges are guessed; the least load
+        that is solved for the energy is larger then, so that the difference is about the error.
 
         Raises ValueError for P <= 0, |Q| >= mu P or a first Q != 0; ContactNotConverged, with the reason.
         """
@@ -46,45 +51,43 @@ class CoupledLoop:
             if P != self.P:
                 raise ContactNotConverged(f"P = {P!r} while Q acts: P has to stay at {self.P!r} after the normal stage")
         states = [self._pressed(P) for P, _ in loads[:first]]
-        return states + self._tangential([Q / self.P for _, Q in loads[first:]])
+        alike = list(dict.fromkeys(state.branch for state in like if state.branch))
+        return states + self._tangential([Q / self.P for _, Q in loads[first:]], alike)
 
     def _pressed(self, P):
         normal = NormalStage(self.solid, self.profile, P)
         problem = normal.problem(self.profile, self.mu, self.coupling, self.order)
         return CoupledState(Units.of(normal), problem, normal, normal, 0.0)
 
-    def _tangential(self, loads):
-        """States at the loads Q/P."""
+    def _tangential(self, loads, alike):
+        """States at the loads Q/P; alike: branches of a loop at the same loads, or none."""
         normal = NormalStage(self.solid, self.profile, self.P)
         problem = normal.problem(self.profile, self.mu, self.coupling, self.order)
         units, base, energy = Units.of(normal), normal, 0.0
         branches: list[Branch] = []
         states: list[CoupledState] = []
-        for direction, Qs in branches_of(loads):
+        for number, (direction, Qs) in enumerate(branches_of(loads)):
             span = abs(Qs[-1] - base.Q)
-            guess = self._guess(branches, direction)
             try:
-                branch = Branch(problem, base, direction, span, guess)
+                branch = Branch(problem, base, direction, span, self._guess(branches), alike[number] if alike else None)
                 reached = [branch.state(Q) for Q in Qs]
                 works = [branch.dissipated(state) for state in reached]
             except ContactNotConverged as failure:
                 raise ContactNotConverged(f"P = {self.P:g}, Q up to {Qs[-1] * self.P:g}: {failure}") from None
             for state, work in zip(reached, works, strict=True):
                 branch.check(state)
-                states.append(CoupledState(units, problem, normal, state, energy + work, branch.solves))
+                states.append(CoupledState(units, problem, normal, state, energy + work, branch))
             base, energy = reached[-1], energy + works[-1]
             branches.append(branch)
         return states
 
-    def _guess(self, branches, direction):
-        """Variables of the edges after a turn, from the branches before it."""
+    def _guess(self, branches):
+        """Guess of the edges after a turn, from the branches before it."""
         if not branches:
-            return uncoupled_guess(self.solid.k, self.mu)
+            return guess.uncoupled(self.solid.k, self.mu)
         if len(branches) > 2:
             return branches[-2].guessed
-        if len(branches) == 2:
-            return lambda load: branches[-1].guessed(load)[::-1] * [-1, 1, 1, -1]
-        return turned_guess(branches[0])
+        return (guess.mirrored if len(branches) == 2 else guess.turned)(branches[-1])
 
 
 def branches_of(loads):

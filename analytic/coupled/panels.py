@@ -120,9 +120,9 @@ class Panels:
         local = (x - self.middle[j]) / self.half[j]
         result = np.zeros((len(x), 2, NODES))
         v, base = (1 + GAUSS) / 2, singular_weights(k)
-        for end in (-1.0, 1.0):
-            reach = end - local  # from x to this end of the panel, in half lengths
-            length = np.abs(reach) * self.half[j]
+        for end, place in ((-1.0, self.low[j]), (1.0, self.high[j])):
+            reach = (place - x) / self.half[j]  # from x to this end of the panel, without rounding close to it
+            length = np.abs(place - x)
             here = length > 0
             length = np.where(here, length, 1.0)
             # R(c v) = c^-k R(v) + R(c)

@@ -115,7 +115,7 @@ class NormalStage:
             p = _interpolated(at, values.reshape(-1, len(GAUSS))[j]) * self._root(r)
         return np.stack([p, np.zeros_like(p)])
 
-    def limit_between(self, friction, low, high):
+    def limit_between(self, friction, low, high, x):
         """Panels between two points, and friction p - q at their nodes."""
         points = np.array([low, *self.breaks[(self.breaks > low) & (self.breaks < high)], high])
         panels = Panels.between(points)

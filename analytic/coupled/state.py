@@ -42,10 +42,11 @@ class CoupledState:
     weights [length]; pressure, traction [stress]; slip: u_x - delta_x since the end of the normal stage [length];
     gap [length]; contact, stick: left and right edge [length]; stick_zones: shape (1, 2);
     dissipated_energy: frictional work since first contact [stress x length²]; delta_x, delta_y: displacements of the
-    indenter [length], for k <= 0 up to a constant times the loads; iterations: linear solves of the branch so far.
+    indenter [length], for k <= 0 up to a constant times the loads; branch: ``Branch`` of the state, None before Q acts;
+    iterations: linear solves of that branch.
     """
 
-    def __init__(self, units, problem, normal, state, energy, iterations=0):
+    def __init__(self, units, problem, normal, state, energy, branch=None):
         self._units, self._problem, self._normal, self._state = units, problem, normal, state
         self.P, self.Q = units.load, units.load * state.Q
         self.contact = _times(units.length, state.contact)
@@ -54,8 +55,9 @@ class CoupledState:
         self.dissipated_energy = energy * units.load * units.displacement
         self.delta_x = units.displacement * state.delta_x + units.shift_x * state.Q
         self.delta_y = units.displacement * state.delta_y + units.shift_y
-        self.iterations = iterations
-        x, weight = smooth_rule(*state.contact, state.breaks)
+        self.branch, self.iterations = branch, branch.solves if branch else 0
+        x_l, x_r = state.contact
+        x, weight = smooth_rule(x_l, x_r, state.breaks)
         self._nodes = x
         self.x, self.weight, self.gap = units.length * x, units.length * weight, np.zeros(len(x))
         self.weight_q = self.weight

@@ -149,10 +149,12 @@ class StickBasis:
         return result
 
     def amplitudes(self, c):
-        """Factors of distance^(exponent - 1) at both ends."""
-        signs = (-1.0) ** np.arange(self.end_size)
+        """Factors of distance^(exponent - 1) at both ends, and of distance^exponent that follow, shape (2, 2)."""
+        degrees = np.arange(self.end_size)
+        first, second = (-1.0) ** degrees, -((-1.0) ** degrees) * degrees * (degrees + 1)
         parts = c[: self.end_size], c[-self.end_size :]
-        return np.array([signs @ p * h**-e for p, h, e in zip(parts, self.lengths, self.exponents, strict=True)])
+        ends = zip(parts, self.lengths, self.exponents, strict=True)
+        return np.array([[first @ p * h**-e, second @ p * h ** -(e + 1)] for p, h, e in ends]).T
 
 
 def _without_first(v, exponent, c):

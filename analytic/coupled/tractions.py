@@ -4,10 +4,11 @@ from functools import cached_property
 
 import numpy as np
 
-from .panels import NODES, TO_LEGENDRE, Panels, graded, legendre
+from .panels import GAUSS, NODES, TO_LEGENDRE, Panels, graded, legendre
 
 RATIO = 0.3  # of panels that shrink towards the breaks of a state
 SMALLEST, SMALLEST_STEEP = 3e-6, 3e-8  # the smallest of them, and for k < 0, where tractions end more steeply
+MERGED = 0.6  # length that panels at a break are merged to, over the distance of the nearest other point
 CLOSE = 1e-7  # breaks closer than that are one
 
 
@@ -49,6 +50,24 @@ def tabulated(state):
     return Interpolated(panels, np.stack([state.factors[1] * H + state.profile(state.area.local(x)[0]), r]))
 
 
+def _merged(fine, values, breaks, x):
+    """Panels and values (n, NODES) at their nodes, those close to the breaks but not to any x made one on each side.
+
+    There the values become those of polynomials, which have the same integrals with all polynomials of that degree.
+    """
+    keep = np.ones(len(fine.low), dtype=bool)  # panels whose lower point is kept
+    for point in breaks:
+        reach = MERGED * np.abs(x - point).min()
+        keep &= ~((fine.low > point) & (fine.high <= point + reach)) | (fine.low == point)
+        keep[1:] &= ~((fine.low[1:] < point) & (fine.low[:-1] >= point - reach))
+    panels = Panels.between(np.append(fine.low[keep], fine.high[-1]))
+    j = np.repeat(np.cumsum(keep) - 1, NODES)
+    P = legendre((fine.nodes - panels.middle[j]) / panels.half[j], NODES)
+    moments = np.add.reduceat(P * (fine.weights * values.ravel()), NODES * np.flatnonzero(keep), axis=1)
+    coefficients = moments / panels.half * (np.arange(NODES)[:, None] + 0.5)
+    return panels, (coefficients.T @ legendre(GAUSS, NODES)).ravel()
+
+
 class SlipState:
     """Equilibrium at the load Q since the turn ``base``: slip with q = friction p, and stick between c_l and c_r.
 
@@ -85,12 +104,22 @@ class SlipState:
         p = self.factors[0] * r + self.area.weight(x) * smooth
         return np.stack([p, self.friction * p - r])
 
-    def limit_between(self, friction, low, high):
-        """Panels between two points, and friction p - q at their nodes."""
-        points = self.table.panels.low
-        panels = Panels.between(np.array([low, *points[(points > low) & (points < high)], high]))
-        p, q = self.tractions(panels.nodes)
-        return panels, friction * p - q
+    @cached_property
+    def _sampled(self):
+        """Panels that shrink towards the edges of contact too, and p and q at their nodes, shape (2, panels, NODES)."""
+        points = [self.contact[0], *self.breaks, self.contact[1]]
+        panels = shrinking(points, self.problem.k)
+        return panels, self.tractions(panels.nodes).reshape(2, -1, NODES)
+
+    def limit_between(self, friction, low, high, x):
+        """Panels between two points, and friction p - q at their nodes, for integrals with kernels that end at x."""
+        sampled, values = self._sampled
+        first, last = np.searchsorted(sampled.low, low, side="right"), np.searchsorted(sampled.low, high)
+        panels = Panels.between(np.array([low, *sampled.low[first:last], high]))
+        p, q = values[:, first - 1 : last].copy()
+        for i, panel in ((0, slice(NODES)), (-1, slice(-NODES, None))):  # cut off
+            p[i], q[i] = self.tractions(panels.nodes[panel])
+        return _merged(panels, friction * p - q, self.breaks[(self.breaks > low) & (self.breaks < high)], x)
 
     @cached_property
     def _sources(self):

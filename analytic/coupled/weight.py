@@ -1,6 +1,6 @@
 """Weights with which tractions end at both edges of a contact, and points that are gathered there."""
 
-from functools import lru_cache
+from functools import lru_cache, partial
 from math import gamma, pi, sin
 
 import numpy as np
@@ -84,5 +84,5 @@ def _expansion(a, b, degree):
     t, weight = roots_jacobi(degree + 8, b + 1, a + 1)
     orders = range(1, degree + 1)
     basis = np.array([eval_jacobi(n - 1, b + 1, a + 1, t) for n in orders])
-    series = [Chebyshev.interpolate(lambda s, n=n: eval_jacobi(n, a, b, s), degree).coef for n in orders]
+    series = [Chebyshev.interpolate(partial(eval_jacobi, n, a, b), degree).coef for n in orders]
     return t, weight, basis, np.array(series)

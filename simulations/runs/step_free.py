@@ -23,29 +23,28 @@ def serves(simulation: Simulation) -> bool:
 class StepFree:
     """States of ``analytic.CoupledLoop`` at the load steps of a simulation; NoReference where it does not converge.
 
-    order: of its basis. coarser: the same with a lower order, made if ``estimated``; the difference is more than the
-    error of this solution.
+    order: of its basis; like: states of another order, see ``CoupledLoop.run``. coarser: the same with a lower order,
+    made if ``estimated``; the difference is more than the error of this solution.
     """
 
     name = "half-plane solver without load steps"
 
-    def __init__(self, simulation: Simulation, order: int = ORDER, estimated: bool = False):
+    def __init__(self, simulation: Simulation, order: int = ORDER, estimated: bool = False, like=()):
         scaled, self._schedule = simulation.scaled, simulation.schedule
         coupled = "coupling" in simulation.effects
         loop = CoupledLoop(scaled.solid, scaled.indenter.analytic(), 1.0, simulation.mu, coupled, order)
         try:
-            self._states = loop.run([(step.P, step.Q) for step in self._schedule])
+            self._states = loop.run([(step.P, step.Q) for step in self._schedule], like)
         except (ContactNotConverged, ValueError, ArithmeticError) as failure:
             raise NoReference(str(failure)) from None
         self.coarser = self._other(simulation, order) if estimated else None
 
-    @staticmethod
-    def _other(simulation, order):
+    def _other(self, simulation, order):
         """Another order of the basis; a higher one where the lower does not converge."""
         try:
-            return StepFree(simulation, order - LOWER)
+            return StepFree(simulation, order - LOWER, like=self._states)
         except NoReference:
-            return StepFree(simulation, order + LOWER)
+            return StepFree(simulation, order + LOWER, like=self._states)
 
     def pressure(self, entry: Entry, x):
         """p."""

@@ -61,11 +61,11 @@ def orders_apart(values: Row) -> Row:
     """
     start = time.process_time()
     fine = _states(values, ORDER)
-    seconds = time.process_time() - start
     try:
-        coarse = _states(values, ORDER - LOWER)
+        coarse = _states(values, ORDER - LOWER, fine)
     except ContactNotConverged:
-        coarse = _states(values, ORDER + LOWER)
+        coarse = _states(values, ORDER + LOWER, fine)
+    seconds = time.process_time() - start
     rows = []
     for state, other in zip(fine[1:], coarse[1:], strict=True):
         norm = np.sqrt(state.weight @ state.pressure**2)
@@ -77,11 +77,11 @@ def orders_apart(values: Row) -> Row:
     return dict(zip(DIFFERENCES, map(float, largest))) | {"energy_of_cycle": energy, "seconds": seconds}
 
 
-def _states(values, order):
+def _states(values, order, like=()):
     solid = GradedHalfPlane(1.0, values["nu"], values["k"], 1.0)
     Q_A = values["share"] * values["mu"]
     loop = CoupledLoop(solid, PowerProfile(0.5, 2.0), 1.0, values["mu"], order=order)
-    return loop.run([(1.0, 0.0), *((1.0, way * Q_A) for way in WAY)])
+    return loop.run([(1.0, 0.0), *((1.0, way * Q_A) for way in WAY)], like)
 
 
 def _cycle(states):

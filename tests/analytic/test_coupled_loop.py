@@ -1,6 +1,8 @@
 """Coupled loops without load steps: closed forms where they are exact, conditions and balances elsewhere."""
 
+from dataclasses import replace
 from functools import lru_cache
+from math import gamma
 
 import numpy as np
 import pytest
@@ -14,8 +16,12 @@ from analytic import (
 )
 from analytic.coupled import CoupledLoop
 from analytic.coupled.exponents import edge_exponent
+from analytic.coupled.full_stick import stick_compliance
+from analytic.coupled.linear import solve
 from analytic.coupled.loop import branches_of
-from analytic.coupled.panels import Panels
+from analytic.coupled.panels import Panels, graded
+from analytic.coupled.problem import NormalStage
+from analytic.coupled.stick import layout
 from analytic.half_plane.linear import ContactNotConverged
 
 MU, R, P = 0.3, 2.0, 1.5
@@ -141,10 +147,63 @@ def test_pressure_in_closed_form():
     assert np.abs(u_x[stuck]).max() < 1e-7
 
 
+def test_conditions_just_after_a_turn():
+    """A narrow zone of slip beside the old edge of contact: contact as the kernels have it, and both loads."""
+    state = CoupledLoop(solid_of(-0.3, 0.2), PROFILE, P, MU, order=8).run(loads(0.6 * MU * P, 1, 0.92, -1))[2]
+    inner, problem = state._state, state._problem
+    assert 0 < inner.stick[0] - inner.base.contact[0] < 0.02
+    x = np.linspace(*inner.stick, 30)[1:-1]
+    u_x, u_y = inner.displacements(problem, x) - inner.base.displacements(problem, x) * [[1], [0]]
+    assert np.abs(u_y + problem.height(x)).max() < 1e-7 and np.abs(u_x).max() < 1e-7
+    assert [state.weight @ state.pressure, state.weight @ state.traction] == pytest.approx([P, state.Q], rel=1e-6)
+
+
+def test_rates_of_the_amplitudes():
+    """Derivatives of the amplitudes at the right edges: by the own edge as said, by the others none."""
+    inner = loop(0.3, 0.3, 0.3, 0.9)[2]._state
+    edges = np.array([inner.contact[0], *inner.stick, inner.contact[1]])
+    widths = np.array([edges[1] - edges[0]] * 2 + [edges[3] - edges[2]] * 2)
+
+    def solution(moved):
+        panels = layout(*moved[1:3], [*moved, *inner.base.contact, *inner.base.breaks])
+        return solve(inner.problem, inner.base, inner.friction, moved, panels, inner.Q)
+
+    outwards = np.array([-1, -1, 1, 1])
+    steps = 1e-4 * widths * outwards
+    columns = [
+        (solution(edges + s * e).amplitudes - solution(edges - s * e).amplitudes) / 2e-4
+        for s, e in zip(steps, np.eye(4), strict=True)
+    ]
+    rates = solution(edges).rates
+    assert np.stack(columns, axis=1) == pytest.approx(-np.diag(rates), abs=1e-3 * rates.max())
+
+
+@pytest.mark.parametrize(("k", "nu"), [(0.0, 0.3), (0.3, 0.2), (0.7, 0.0)])
+def test_compliance_of_full_stick(k, nu):
+    """The tractions that it names move the contact as a rigid body without tilt, under Q = 1; without coupling (13)."""
+    problem, half = NormalStage(solid_of(k, nu), PROFILE, P).problem(PROFILE, MU, True, 8), 1.3
+    panels = Panels.between(graded(-1.0, 1.0, 14, 14))
+    D = problem.d / np.sqrt(problem.bk * problem.gk)
+    turning = np.arctanh(problem.tau * D) / np.pi * np.log((1 + panels.nodes) / (1 - panels.nodes))
+    root = ((1 + panels.nodes) * (1 - panels.nodes)) ** ((k - 1) / 2)
+    q, p = root * np.cos(turning), root * np.sin(turning) * np.sqrt(problem.gk / problem.bk)
+    p, q = p / (half * panels.weights @ q), q / (half * panels.weights @ q)
+    scaled = Panels.between(half * np.append(panels.low, 1.0))
+    even, odd = scaled.matrices(half * np.array([-0.8, -0.3, 0.0, 0.5]), k)
+    u_x, u_y = problem.displacements(even @ p, odd @ p, even @ q, odd @ q)
+    assert scaled.weights @ p == pytest.approx(0.0, abs=1e-9)
+    assert u_x == pytest.approx(np.full(4, stick_compliance(problem, half)), abs=1e-5)
+    assert u_y == pytest.approx(np.zeros(4), abs=1e-5)
+    uncoupled = replace(problem, d=0.0)
+    scale = gamma(1 + k / 2) * gamma((1 - k) / 2) / np.sqrt(np.pi)
+    expected = uncoupled.gk * ((2.0**-k * scale - 1) / k if k else np.log(2 / 2.0))
+    assert stick_compliance(uncoupled, 2.0) == pytest.approx(expected, abs=1e-9)
+
+
 def test_points_that_come_into_contact_in_stick_are_said():
     """Far from the Holl ratio, under strong friction, the contact moves faster than slip spreads."""
     with pytest.raises(ContactNotConverged, match="into contact in stick"):
-        CoupledLoop(solid_of(-0.3, 0.0), PROFILE, P, 0.6, order=8).run(loads(0.6 * P, 0.9))
+        CoupledLoop(solid_of(0.0, 0.0), PROFILE, P, 1.0, order=8).run(loads(P, 0.6))
 
 
 def test_paths_that_are_no_loops_are_refused():

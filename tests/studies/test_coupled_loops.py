@@ -13,7 +13,7 @@ def test_cases():
 
 def test_one_loop_and_one_that_is_not_served(monkeypatch):
     """Two orders are close and not the same; points that come into contact in stick are said."""
-    monkeypatch.setattr(coupled_loops, "ORDER", 6)
+    monkeypatch.setattr(coupled_loops, "ORDER", 8)
     monkeypatch.setattr(coupled_loops, "WAY", (1.0, -1.0, 1.0))
     loop = {"kind": "reference", "k": 0.5, "nu": 0.2, "mu": 0.3, "share": 0.6}
     row = coupled_loops.solve(loop)
