@@ -1,4 +1,4 @@
-"""Open surface ahead of an edge of contact that sticks as it advances: displacements that oscillate [X8]."""
+"""Open surface ahead of an edge of contact that sticks as it advances, where displacements oscillate."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -29,7 +29,7 @@ class StuckEdge:
 
     @cached_property
     def oscillation(self) -> float:
-        """epsilon of [X8]: 0 at the Holl ratio, ln(3-4 nu)/(2 pi) for k = 0."""
+        """epsilon of docs/equations.md: 0 at the Holl ratio, ln(3-4 nu)/(2 pi) for k = 0."""
         k = self.solid.k
         even = pi / 2 * np.sinc(k / 2)  # sin(k pi/2)/k
         d = PowerLawKernel(self.solid).d

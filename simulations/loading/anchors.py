@@ -8,10 +8,10 @@ from touching: as a point comes closer it moves sideways in proportion,
 
 where r is measured on points that are open still. In uncoupled contact with a power law, r is alpha dQ/dP as long as
 the surface beside the edge sticks, the same everywhere: then this is exact, however large the step is. With coupling
-r depends on the distance from the edge as ``StuckEdge`` tells, by an angle of up to 0.2 for a factor of e at nu = 0:
-a single r would leave an error of first order in the step. Points that slide when they enter and then stop, as the edge of stick follows that of
-contact, are anchored on the curve that this edge draws. Where the contact is known to grow similar to itself, they are
-anchored where that lets them stick.
+displacements oscillate ahead of an edge that sticks, and r depends on the distance from it as ``StuckEdge`` tells; one r
+for all would leave an error of first order in the step. Points that slide when they enter and then stop, as the edge of
+stick follows that of contact, are anchored on the curve that this edge draws. Where the contact is known to grow similar
+to itself, they are anchored where that lets them stick.
 
 The state after a step depends on the anchors: solve, measure, anchor, solve again.
 """
@@ -231,9 +231,10 @@ def measure(
         closed = b.clearance - a.clearance
         if np.all(closed > 0):
             r = (a.s - b.s) / closed
-            if edge:
-                way = Advance.of(x, before, after, side)
-                r = edge.turned(r, -side * edge.angle(side * (x[beyond[first:end]] - way.start), way.length, way.width))
+            way = Advance.of(x, before, after, side)
+            if edge and way.length > 0:  # it is 0 where only one of a node's points has entered
+                distance = side * (x[beyond[first:end]] - way.start)
+                r = edge.turned(r, -side * edge.angle(distance, way.length, way.width))
             ratios[side].improve(float(np.mean(r)))
 
 

@@ -109,6 +109,33 @@ def test_pressing_with_friction_is_exact_with_two_steps(k, nu, mu):
     assert not failing(simulation)
 
 
+def test_two_steps_of_strong_coupling_do_as_twelve():
+    """The advancing edge sticks: r of the points that it passes turns with their distance from where it was."""
+    solid = {"solid.modulus": "power law", "solid.k": 0.534, "solid.nu": -0.19, "solid.y0_over_a0": 10.0}
+    load = {"load.mu": 2.1, "load.amplitude": 0.765, "load.cycles": 0, "mesh.edge_facet": 0.02}
+    many = run(LOOP | solid, 12, **load)
+    keys = LOOP | solid | MESH | load | {"solver.increments": 2}
+    for r_is_the_same, low, high in ((False, 0.0, 8e-3), (True, 0.03, 0.1)):
+        few = Simulation(MPI.COMM_SELF, make_scene(keys, base=None), many.cells)
+        if r_is_the_same:
+            few.solver = LoadStepping(few.solver.normal, few.solver.frictional, few._system)
+        found, expected = few.run_to_end().history.entries[-1].surface, many.history.entries[-1].surface
+        assert low < relative_l2(expected.weight, found.pressure, expected.pressure) < high
+        assert low < relative_l2(expected.weight, found.traction, expected.traction) < high
+
+
+@pytest.mark.slow
+def test_pressing_with_friction_where_points_in_stick_are_not_known():
+    """k < 0, so that the load steps find them; half of the error that one r for all has with two steps."""
+    solid = {"solid.modulus": "power law", "solid.k": -0.3, "solid.nu": 0.3, "solid.y0_over_a0": 10.0}
+    load = {"load.mu": 1.0, "load.cycles": 0, "effects.friction_in_normal_stage": True, "solver.normal_increments": 2}
+    simulation = run(LOOP | solid | load, 1)
+    pressed = [e for e in simulation.history.entries if e.increment.branch == "normal"][-1].surface
+    exact = PressingWithFriction(simulation.scaled.solid, simulation.scaled.indenter.analytic(), 1.0, 1.0)
+    assert relative_l2(pressed.weight, pressed.pressure, exact.pressure(pressed.x)) < 1e-2
+    assert relative_l2(pressed.weight, pressed.traction, exact.traction(pressed.x)) < 7e-2
+
+
 def test_a_dwell_and_a_return_pass_the_check_of_slip():
     """Nothing moves at a dwell: what moves there is round-off, and so is the work that it does."""
     points = [[1e6, 0.0], [1e6, 2e5], [1e6, 2e5], [1e6, 1e5], [1e6, 2e5], [1e6, 2e5]]
