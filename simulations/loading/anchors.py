@@ -8,10 +8,10 @@ from touching: as a point comes closer it moves sideways in proportion,
 
 where r is measured on points that are open still. In uncoupled contact with a power law, r is alpha dQ/dP as long as
 the surface beside the edge sticks, the same everywhere: then this is exact, however large the step is. With coupling
-displacements oscillate ahead of an edge that sticks, and r depends on the distance from it as ``StuckEdge`` tells; one r
-for all would leave an error of first order in the step. Points that slide when they enter and then stop, as the edge of
-stick follows that of contact, are anchored on the curve that this edge draws. Where the contact is known to grow similar
-to itself, they are anchored where that lets them stick.
+displacements oscillate ahead of an edge that sticks, and r depends on the distance from it as ``StuckEdge`` tells: one
+r for all would leave an error of first order in the step. Points that slide when they enter and then stop, as the edge
+of stick follows that of contact, are anchored on the curve that this edge draws. Where the contact is known to grow
+similar to itself, they are anchored where that lets them stick.
 
 The state after a step depends on the anchors: solve, measure, anchor, solve again.
 """
@@ -171,7 +171,7 @@ class EnteringPoints:
 
 
 class Ratio:
-    """r of one edge, for a point that it has just reached: the number that equals what is measured with it, by the secant method."""
+    """r of a point that an edge has just reached: it equals what is measured with it, by the secant method."""
 
     def __init__(self, value: float = 0.0):
         self.value = value
