@@ -29,8 +29,8 @@ class MeshFree:
 
     nodes: how many at each load step, the next number where one does not converge, and then with how many it did;
     finer: load steps for one of the simulation; tell: called after each. coarser: the same with fewer of both, made
-    if ``estimated`` and where P changes under friction: points that enter contact within a load step there keep an
-    error of first order in it. The difference is about the error of this solution.
+    if ``estimated``, with coupling or where P changes under friction: points that enter contact within a load step there
+    keep an error of first order in it. The difference is about the error of this solution.
     """
 
     name = "mesh-free half-plane solver"
@@ -66,7 +66,8 @@ class MeshFree:
         self._pressing = simulation.pressing_with_friction()
         pairs = zip(simulation.schedule, simulation.schedule[1:])
         changing = any(a.P != b.P for b, a in pairs if friction_first or a.branch != "normal")
-        self.coarser = MeshFree(simulation, nodes=COARSER_NODES, finer=1) if estimated and changing else None
+        enter = changing or "coupling" in simulation.effects
+        self.coarser = MeshFree(simulation, nodes=COARSER_NODES, finer=1) if estimated and enter else None
 
     def _at(self, entry: Entry) -> ContactState:
         return self._states[entry.number]
