@@ -29,7 +29,7 @@ class MeshFree:
 
     nodes: how many at each load step, the next number where one does not converge, and then with how many it did;
     finer: load steps for one of the simulation; tell: called after each. coarser: the same with fewer of both, made
-    if ``estimated``, with coupling or where P changes under friction: points that enter contact within a load step there
+    if ``estimated``, with coupling or where P changes under friction: points that enter contact in a load step there
     keep an error of first order in it. The difference is about the error of this solution.
     """
 

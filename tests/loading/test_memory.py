@@ -12,7 +12,9 @@ from analytic import PressingWithFriction
 from simulations.api import make_scene
 from simulations.loading.stepping import LoadStepping
 from simulations.runs import checks
-from simulations.runs.comparison import relative_l2
+from simulations.runs.comparison import compare_state, own_errors, relative_l2
+from simulations.runs.mesh_free import MeshFree
+from simulations.runs.reference import of_same_physics
 from simulations.runs.simulation import Simulation
 from simulations.runs.springs import Springs
 
@@ -109,19 +111,42 @@ def test_pressing_with_friction_is_exact_with_two_steps(k, nu, mu):
     assert not failing(simulation)
 
 
-def test_two_steps_of_strong_coupling_do_as_twelve():
+STRONG = LOOP | {"solid.modulus": "power law", "solid.k": 0.534, "solid.nu": -0.19, "solid.y0_over_a0": 10.0}
+STRONG |= {"load.mu": 2.1, "load.amplitude": 0.765, "load.cycles": 0}
+
+
+def apart(found: Simulation, expected: Simulation, name: str) -> float:
+    """Difference of the last states, relative L2."""
+    a, b = (simulation.history.entries[-1].surface for simulation in (found, expected))
+    return relative_l2(b.weight, getattr(a, name), getattr(b, name))
+
+
+def test_two_steps_of_strong_coupling_do_as_eight():
     """The advancing edge sticks: r of the points that it passes turns with their distance from where it was."""
-    solid = {"solid.modulus": "power law", "solid.k": 0.534, "solid.nu": -0.19, "solid.y0_over_a0": 10.0}
-    load = {"load.mu": 2.1, "load.amplitude": 0.765, "load.cycles": 0, "mesh.edge_facet": 0.02}
-    many = run(LOOP | solid, 12, **load)
-    keys = LOOP | solid | MESH | load | {"solver.increments": 2}
-    for r_is_the_same, low, high in ((False, 0.0, 8e-3), (True, 0.03, 0.1)):
-        few = Simulation(MPI.COMM_SELF, make_scene(keys, base=None), many.cells)
-        if r_is_the_same:
-            few.solver = LoadStepping(few.solver.normal, few.solver.frictional, few._system)
-        found, expected = few.run_to_end().history.entries[-1].surface, many.history.entries[-1].surface
-        assert low < relative_l2(expected.weight, found.pressure, expected.pressure) < high
-        assert low < relative_l2(expected.weight, found.traction, expected.traction) < high
+    facet = {"mesh.edge_facet": 0.02}
+    many = run(STRONG, 8, **facet)
+    few = run(STRONG, 2, many.cells, **facet)
+    alike = Simulation(MPI.COMM_SELF, few.scene, many.cells)  # one r for all
+    alike.solver = LoadStepping(alike.solver.normal, alike.solver.frictional, alike._system)
+    alike.run_to_end()
+    for name in ("pressure", "traction"):
+        assert apart(few, many, name) < 8e-3
+        assert apart(alike, many, name) > 3e-2
+
+
+@pytest.mark.slow
+def test_the_mesh_free_solver_states_its_error_where_an_edge_sticks():
+    """It anchors points where the step began; the truth is that of many load steps."""
+    few = run(STRONG, 2, **{"mesh.edge_facet": 0.02})
+    reference, last = of_same_physics(few), few.history.entries[-1]
+    assert isinstance(reference, MeshFree)
+    error, own = compare_state(last, reference), own_errors(few.history, reference)
+    many = MeshFree(few, nodes=(300,), finer=8)
+    x, w = last.surface.x, last.surface.weight
+    true = relative_l2(w, reference.traction(last, x), many.traction(last, x))
+    assert 0.03 < true < 2 * own["traction_l2"]
+    assert abs(error["traction_l2"]) < 2 * own["traction_l2"]
+    assert relative_l2(w, last.surface.traction, many.traction(last, x)) < 0.03
 
 
 @pytest.mark.slow
