@@ -17,6 +17,7 @@ class LoadStep:
     state: str = ""  # A ... E of Figure 11; 1, 2, ... at given points
     cycle: int = 0
     direction: int = 0  # in which Q moves
+    angle: float = 0.0  # by which Q and strain, cosines with a lag, have gone round since the step before; 0: straight
 
     @property
     def P(self) -> float:
@@ -28,29 +29,41 @@ class LoadStep:
         """Tangential line load."""
         return self.load.Q
 
+    def on_the_way(self, before: Load, share: float) -> Load:
+        """Load after this share of the way from the load ``before``."""
+        if not self.angle:
+            return Load(*(b + share * (a - b) for b, a in zip(before, self.load)))
+        of_before, of_this = np.sin(np.array([1 - share, share]) * self.angle) / np.sin(self.angle)
+        strain = of_before * before.strain + of_this * self.load.strain
+        return Load(self.P, of_before * before.Q + of_this * self.Q, strain)
+
 
 def pressing(P: float, steps: int = 1) -> list[LoadStep]:
     """The normal stage: P in steps of equal contact half-width, roughly."""
     return [LoadStep(Load(P * (i / steps) ** 2)) for i in range(1, steps + 1)]
 
 
-def rocking(P: float, Q_A: float, cycles: int, quarter: int) -> list[LoadStep]:
+def rocking(P: float, Q_A: float, cycles: int, quarter: int, harmonic: bool = False) -> list[LoadStep]:
     """To +Q_A, then ``cycles`` times to -Q_A and back, ``quarter`` load steps per Q_A.
 
+    harmonic: the steps of a cycle are equal in the angle of Q = Q_A cos(angle), not in Q.
     States of Figure 11: A = +Q_A, B = +Q_A/2 on the way down, C = 0, D = -Q_A/2, E = -Q_A. B and D are marked on the
     nearest load steps.
     """
     ramp = np.arange(1, quarter + 1) / quarter
     swing = np.arange(1, 2 * quarter + 1) / quarter
+    angle = np.pi / 2 / quarter if harmonic else 0.0
+    if harmonic:
+        swing = 1 - np.cos(np.pi / 2 * swing)
     schedule = [LoadStep(Load(P, Q_A * z), "initial", direction=1) for z in ramp]
     schedule[-1] = replace(schedule[-1], state="A")
     for cycle in range(1, cycles + 1):
-        down = [LoadStep(Load(P, Q_A * (1 - z)), "unloading", cycle=cycle, direction=-1) for z in swing]
-        for state, share in (("B", 0.25), ("C", 0.5), ("D", 0.75), ("E", 1.0)):
-            i = round(share * 2 * quarter) - 1
+        down = [LoadStep(Load(P, Q_A * (1 - z)), "unloading", "", cycle, -1, angle) for z in swing]
+        for state, z in (("B", 0.5), ("C", 1.0), ("D", 1.5), ("E", 2.0)):
+            i = round(np.interp(z, [0.0, *swing], np.arange(2 * quarter + 1))) - 1
             if i >= 0:
                 down[i] = replace(down[i], state=state)
-        up = [LoadStep(Load(P, -Q_A * (1 - z)), "reloading", cycle=cycle, direction=1) for z in swing]
+        up = [LoadStep(Load(P, -Q_A * (1 - z)), "reloading", "", cycle, 1, angle) for z in swing]
         up[-1] = replace(up[-1], state="A")
         schedule += down + up
     return schedule

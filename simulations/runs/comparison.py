@@ -14,10 +14,10 @@ def relative_l2(weight, computed, exact) -> float:
     return float(np.sqrt(weight @ (computed - exact) ** 2 / norm)) if norm > 0 else float("nan")
 
 
-def compare_state(entry: Entry, reference: Reference) -> dict[str, float]:
+def compare_state(entry: Entry, reference: Reference, own: dict[str, float] | None = None) -> dict[str, float]:
     """Relative L2 deviations of one state's pressure, traction and slip, the last over the contact.
 
-    What is known of the reference's own error is added.
+    What is known of the reference's own error is added; own: this, where it is known already.
     """
     surface = entry.surface
     x, weight = surface.x, surface.weight
@@ -27,7 +27,8 @@ def compare_state(entry: Entry, reference: Reference) -> dict[str, float]:
         under = weight * ((x >= left) & (x <= right))
         deviation["traction_l2"] = relative_l2(weight, surface.traction, reference.traction(entry, x))
         deviation["slip_l2"] = relative_l2(under, entry.slip, reference.slip(entry, x))
-    own = apart(entry, reference.coarser, reference) if reference.coarser else {}
+    if own is None:
+        own = apart(entry, reference.coarser, reference) if reference.coarser else {}
     return {name: value + own.get(name, 0.0) for name, value in deviation.items()}
 
 
@@ -56,12 +57,29 @@ def compare(history: History, reference: Reference) -> dict[str, float]:
 
 def own_errors(history: History, reference: Reference) -> dict[str, float]:
     """What of the errors of ``compare`` and ``worst`` is the reference's own, the largest; {} of an exact one."""
+    return _largest_own(reference, _own_of_states(history, reference))
+
+
+def worst_and_own(history: History, reference: Reference) -> tuple[dict[str, float], dict[str, float]]:
+    """``worst`` and ``own_errors`` in one pass over the states."""
+    own = _own_of_states(history, reference)
+    states = [compare_state(entry, reference, mine) for entry, mine in zip(all_states(history), own, strict=True)]
+    return _largest(states), _largest_own(reference, own)
+
+
+def _own_of_states(history, reference) -> list[dict[str, float]]:
     coarser = reference.coarser
-    if coarser is None:
-        return {}
-    states = [apart(entry, coarser, reference) for entry in all_states(history)]
-    found = {name: float(np.nanmax([state[name] for state in states])) for name in states[-1]}
-    return found | {"dissipated_energy": _own_error_of_energy(reference)}
+    return [apart(entry, coarser, reference) if coarser else {} for entry in all_states(history)]
+
+
+def _largest_own(reference, states) -> dict[str, float]:
+    energy = {"dissipated_energy": _own_error_of_energy(reference)} if reference.coarser else {}
+    return _largest(states) | energy
+
+
+def _largest(states: list[dict[str, float]]) -> dict[str, float]:
+    """Of every quantity that the last state has."""
+    return {name: float(np.nanmax([state.get(name, np.nan) for state in states])) for name in states[-1]}
 
 
 def _own_error_of_energy(reference: Reference) -> float:
@@ -71,5 +89,4 @@ def _own_error_of_energy(reference: Reference) -> float:
 
 def worst(history: History, reference: Reference) -> dict[str, float]:
     """The largest field deviations over every state of the last cycle, or of the run where there is none."""
-    states = [compare_state(entry, reference) for entry in all_states(history)]
-    return {name: float(np.nanmax([state.get(name, np.nan) for state in states])) for name in states[-1]}
+    return worst_and_own(history, reference)[0]

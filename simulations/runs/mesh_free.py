@@ -5,9 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from analytic import PressingWithFriction
 from analytic.half_plane.state import ContactState
 
 from ..fem.load import Load
+from ..loading.schedule import LoadStep
 from .expected_edges import half_plane_solver
 from .history import Entry
 from .limits import coating_keys
@@ -29,8 +31,8 @@ class MeshFree:
 
     nodes: how many at each load step, the next number where one does not converge, and then with how many it did;
     finer: load steps for one of the simulation; tell: called after each. coarser: the same with fewer of both, made
-    if ``estimated``, with coupling or where P changes under friction: points that enter contact in a load step there
-    keep an error of first order in it. The difference is about the error of this solution.
+    if ``estimated``: points that enter contact within a load step keep an error of first order in it, also at
+    constant P where coupling moves the contact. The difference is about the error of this solution.
     """
 
     name = "mesh-free half-plane solver"
@@ -44,7 +46,7 @@ class MeshFree:
         estimated: bool = False,
     ):
         friction_first = "friction in normal stage" in simulation.effects
-        loads, places = refined([step.load for step in simulation.schedule], friction_first, finer)
+        loads, places = refined(simulation.schedule, friction_first, finer)
         failure = None
         for count in nodes:
             try:
@@ -63,11 +65,8 @@ class MeshFree:
             raise NoReference(f"{failure}; {coating}" if coating else str(failure))
         self._states = [states[place] for place in places]
         self._schedule = simulation.schedule
-        self._pressing = simulation.pressing_with_friction()
-        pairs = zip(simulation.schedule, simulation.schedule[1:])
-        changing = any(a.P != b.P for b, a in pairs if friction_first or a.branch != "normal")
-        enter = changing or "coupling" in simulation.effects
-        self.coarser = MeshFree(simulation, nodes=COARSER_NODES, finer=1) if estimated and enter else None
+        self._energy = self._dissipated(simulation.pressing_with_friction())
+        self.coarser = MeshFree(simulation, nodes=COARSER_NODES, finer=1) if estimated else None
 
     def _at(self, entry: Entry) -> ContactState:
         return self._states[entry.number]
@@ -101,23 +100,25 @@ class MeshFree:
         """Of the last full cycle, where there is none since first contact: while P grows alone by the exact contact,
         where that is known, as the load steps of this solver add an error of first order there.
         """
+        return self._energy
+
+    def _dissipated(self, pressing: PressingWithFriction | None) -> float:
         found = last_cycle(self._states, self._schedule)
-        if self._pressing is None or self._schedule[-1].cycle:
+        if pressing is None or self._schedule[-1].cycle:
             return found
         pressed = sum(step.branch == "normal" for step in self._schedule) - 1
-        exact = replace(self._pressing, P=self._schedule[pressed].load.P).dissipated_energy
+        exact = replace(pressing, P=self._schedule[pressed].load.P).dissipated_energy
         return found + exact - self._states[pressed].dissipated_energy
 
 
-def refined(loads: list[Load], friction_first: bool, finer: int = FINER) -> tuple[list[Load], list[int]]:
-    """Loads with ``finer`` steps in the place of one, and where the given ones are among them.
+def refined(schedule: list[LoadStep], friction_first: bool, finer: int = FINER) -> tuple[list[Load], list[int]]:
+    """Loads with ``finer`` steps in the place of one, and where those of the schedule are among them.
 
     The first stays one step, as does frictionless pressing, which leaves no memory.
     """
-    all_loads, places = [loads[0]], [0]
-    for before, after in zip(loads, loads[1:]):
-        steps = finer if friction_first or any(after[1:]) or any(before[1:]) else 1
-        for share in np.arange(1, steps + 1) / steps:
-            all_loads.append(Load(*(b + share * (a - b) for b, a in zip(before, after))))
+    all_loads, places = [schedule[0].load], [0]
+    for before, step in zip((step.load for step in schedule), schedule[1:]):
+        steps = finer if friction_first or any(step.load[1:]) or any(before[1:]) else 1
+        all_loads += [step.on_the_way(before, share) for share in np.arange(1, steps + 1) / steps]
         places.append(len(all_loads) - 1)
     return all_loads, places

@@ -91,8 +91,10 @@ class Plan:
     def _loop(self, cycles: int, quarter: int, pressing_steps: int = 1) -> list[LoadStep]:
         """Pressing and rocking, ``quarter`` load steps per Q_A."""
         scene, scales = self.scene, self.scaled.scales
-        schedule = pressing(1.0, pressing_steps) + rocking(1.0, scene.load.amplitude * self.mu, cycles, quarter)
-        if "bulk strain" not in self.effects:
+        strained, phase = "bulk strain" in self.effects, scene.load.bulk_phase or 0.0
+        harmonic = strained and phase not in (0.0, "constant")  # else Q and strain go straight
+        loop = rocking(1.0, scene.load.amplitude * self.mu, cycles, quarter, harmonic)
+        schedule = pressing(1.0, pressing_steps) + loop
+        if not strained:
             return schedule
-        strain = scene.bulk_strain * scales.length / scales.displacement
-        return stretched(schedule, strain, scene.load.bulk_phase or 0.0)
+        return stretched(schedule, scene.bulk_strain * scales.length / scales.displacement, phase)

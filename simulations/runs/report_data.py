@@ -14,7 +14,8 @@ class Comparison:
     """A run beside another solution under the same loads.
 
     values: the other's ``a`` [m], ``peak_pressure`` [Pa], ``c_over_a``, ``dissipated_energy`` [J/m], where it has them;
-    deviations: relative, of these and of the last state's fields; worst: the largest of the fields' over all states.
+    deviations: relative, of these and of the last state's fields; worst: the largest of the fields' over all states;
+    own: what of them is the other solution's error, as far as it is known.
     """
 
     other: reference.Reference
@@ -22,6 +23,7 @@ class Comparison:
     values: dict[str, float]
     deviations: dict[str, float]
     worst: dict[str, float]
+    own: dict[str, float]
     without: tuple[str, ...] = ()  # effects that the other leaves out
 
 
@@ -63,8 +65,7 @@ def find(simulation: Simulation, tell: reference.Tell | None = None) -> Findings
         history, simulation.scaled.indenter.height, coupled, lambda: critical_friction.cause(simulation)
     )
     if exact:
-        own = comparison.own_errors(history, exact.other)
-        found |= checks.check_errors(exact.deviations | exact.worst, own)
+        found |= checks.check_errors(exact.deviations | exact.worst, exact.own)
     return Findings(quantities(simulation), found, exact, why_none, neglecting)
 
 
@@ -141,4 +142,4 @@ def _compare(simulation: Simulation, other: reference.Reference, words: str, wit
         assert energy is not None  # compare has divided by it
         values["dissipated_energy"] = energy * scales.energy
     deviations |= {name: mine[name] / value - 1 for name, value in values.items() if name not in deviations}
-    return Comparison(other, words, values, deviations, comparison.worst(history, other), without)
+    return Comparison(other, words, values, deviations, *comparison.worst_and_own(history, other), without)

@@ -56,7 +56,9 @@ def rough_edges(scene: Scene, scaled: Scaled, effects: Effects, loads: list[Load
     contact = np.abs([state.contact for state in states if state.Q])
     edges = several([edge for state in shown for edge in (*state.contact, *state.stick)])
     way = (float(contact.min()), float(contact.max())) if "coupling" in effects else None
-    stick_way = min(edges), float(contact.max())
+    sticks = np.array([state.stick for state in states if state.Q or state.strain])
+    crossed = (sticks[:, 0].max() > 0) or (sticks[:, 1].min() < 0)  # the middle
+    stick_way = 0.0 if crossed else float(np.abs(sticks).min()), float(contact.max())
     return ExpectedEdges(edges, contact_way=way, stick_way=stick_way, fineness=FINER)
 
 

@@ -20,7 +20,7 @@ from ..loading.stepping import SolveError
 from ..output.files import write_table, write_text
 from ..runs import critical_friction
 from ..runs.checks import check, check_errors, drift, still_changing
-from ..runs.comparison import compare, own_errors, worst
+from ..runs.comparison import compare, worst_and_own
 from ..runs.energy import EnergyMeter, worst_defect
 from ..runs.reference import NoReference, of_same_physics
 from ..runs.simulation import Simulation
@@ -155,7 +155,8 @@ def _errors(simulation: Simulation, every_state: bool) -> tuple[dict[str, float]
         return {}, {}
     if isinstance(reference, Springs) or simulation.scene.reference.kind == "half-plane":
         found = compare(history, reference)
-        return found | (worst(history, reference) if every_state else {}), own_errors(history, reference)
+        largest, own = worst_and_own(history, reference)
+        return found | (largest if every_state else {}), own
     return {}, {}
 
 

@@ -12,7 +12,7 @@ from simulations.fem.body_sample import BodySampler
 from simulations.loading.schedule import rocking, stretched
 from simulations.runs.comparison import compare, relative_l2, worst
 from simulations.runs.energy import EnergyMeter, worst_defect
-from simulations.runs.mesh_free import MeshFree
+from simulations.runs.mesh_free import MeshFree, refined
 from simulations.runs.reference import of_same_physics
 from simulations.runs.simulation import Simulation
 from simulations.runs.stretched import StretchedForm
@@ -119,6 +119,20 @@ def test_strain_behind_the_load():
     assert np.array(behind)[down] == pytest.approx([3**0.5, 2, 3**0.5, 0], abs=1e-12)
     assert np.array(behind)[~down] == pytest.approx([0, 0, -(3**0.5), -2, -(3**0.5), 0], abs=1e-12)
     assert constant == pytest.approx([1, 2] + 8 * [2])
+
+
+def test_steps_of_a_lagging_strain_go_round_an_ellipse():
+    """Steps equal in the angle; those of the reference lie between them on the ellipse; B and D at half of Q_A."""
+    schedule = stretched(rocking(1.0, 0.6, cycles=1, quarter=3, harmonic=True), 2.0, 60)
+    loads, places = refined(schedule, friction_first=False, finer=4)
+    assert np.array(loads)[places] == pytest.approx(np.array([step.load for step in schedule]))
+    _, Q, strain = np.array(loads[places[2] :]).T
+    angle = np.linspace(0, 2 * np.pi, len(Q))
+    assert Q == pytest.approx(0.6 * np.cos(angle), abs=1e-12)
+    assert strain == pytest.approx(2 * np.cos(angle - np.pi / 3), abs=1e-12)
+    assert {step.state: step.Q for step in schedule[3:9] if step.state} == pytest.approx(
+        {"B": 0.3, "C": 0.0, "D": -0.3, "E": -0.6}, abs=1e-12
+    )
 
 
 def test_stress_instead_of_strain():
