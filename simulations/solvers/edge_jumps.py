@@ -5,8 +5,11 @@ A linear step keeps the contact states that it was made with. Where an edge of t
 distance from the edge, up to e²: B d^(β-1) (d - β e). It vanishes at d = β e, and so the next contact states are off by
 (1 - β) e still. Where the edge lies too far in, the gap (or the slip) beyond it is G d^(β-k) (d - (β-k+1) e), and the
 next edge is too far out by (β-k) e. As both factors are known so is e: states that lie beyond are imposed on the points
-between for one step. There points that were made to slide may turn round; they belong to the zone of stick again. The
-test of what is accepted knows nothing of all this.
+between for one step. There points that were made to slide may turn round; they belong to the zone of stick again.
+
+The facets move edges a little, and so a jump may overshoot: none goes to where the edge was before in the same solve.
+Where the load goes on as it did, the first jump is to the edges expected: those of the last three load steps lie on a
+parabola. The test of what is accepted knows nothing of all this.
 """
 
 import numpy as np
@@ -32,10 +35,29 @@ class EdgeJumps:
         self._inwards, self._outwards = 2 / (1 + k), 2 / (3 - k)
         self._used: np.ndarray | None = None  # edges of the last step,
         self._states: np.ndarray | None = None  # and its states
+        self._places: list[np.ndarray] = []  # points beyond the edges of the steps so far
+        self._accepted: list[tuple] = []  # loads and edges of the last load steps that went one way, three at most
+        self._expected: np.ndarray | None = None  # edges on the polynomial through these
 
-    def begin(self):
-        """Forget the last step."""
-        self._states = self._used = None
+    def begin(self, load):
+        """Forget the last step; edges are expected where those accepted lead under ``load`` (fem.load.Load), if any."""
+        self._states = self._used = self._expected = None
+        self._places = []
+        if load is not None and len(self._accepted) >= 2:
+            loads, edges = (np.array(values) for values in zip(*self._accepted))
+            done = loads[-1] - loads[-2]
+            *known, wanted = (np.array([*loads, load]) - loads[-1]) @ done
+            self._expected = sum(edge * _lagrange(known, i, wanted) for i, edge in enumerate(edges))
+
+    def accept(self, load, states: np.ndarray, turned: bool):
+        """Keep the edges of what was solved: a load step has ended with the states (m,) of this rank's points.
+
+        turned: whether it went another way than the step before. Then all of the contact stuck at first.
+        """
+        edges, kept = self._edges(self._points.gathered(states)), self._accepted[-2:]
+        if turned:
+            kept = [(before, contact[[0, 0, 3, 3]]) for before, contact in kept[-1:]]
+        self._accepted = [] if edges is None else [*kept, (load, edges)]
 
     def after(self, states: np.ndarray, jump: bool) -> np.ndarray | None:
         """What to impose on this rank's points (m,) in the next step, see ``contact.slides``; None for nothing.
@@ -51,17 +73,28 @@ class EdgeJumps:
         against = _against(law)
         zones = np.where(against, CLOSED, law)
         edges, used = self._edges(zones), self._used
-        if jump and used is not None and edges is not None:
-            edges = self._jump(used, edges, zones, imposed)
+        if jump and edges is not None and (used is not None or self._expected is not None):
+            new = self._expected if used is None else self._moved_edges(used, edges)
+            edges = self._jump(self._new_places(new, edges), edges, zones, imposed)
             imposed[against & (self._x > edges[1]) & (self._x < edges[2])] = PINNED
         for value, state in ((DRIVEN_FORWARD, FORWARD), (DRIVEN_BACKWARD, BACKWARD), (LIFTED, OPEN), (PINNED, CLOSED)):
             law = np.where(imposed == value, state, law)
         self._states, self._used = law, edges
         return self._points.mine(imposed) if np.any(imposed) else None
 
-    def _jump(self, used, edges, law, imposed):
-        """Impose states (n,) on the points between ``edges`` of Coulomb's law and those (4,) returned."""
-        new = np.array([self._moved(u, e, side) for u, e, side in zip(used, edges, np.repeat(SIDES, 2))])
+    def _moved_edges(self, used, edges):
+        """Where the edges (4,) are, from those of the last step and of the law."""
+        return np.array([self._moved(u, e, side) for u, e, side in zip(used, edges, np.repeat(SIDES, 2))])
+
+    def _new_places(self, new, edges):
+        """Those of ``new`` edges where none was before in this solve, and the law's ``edges`` for the others."""
+        places = np.searchsorted(self._x, new)
+        again = np.any(np.reshape(self._places, (-1, 4)) == places, axis=0)
+        self._places.append(places)
+        return np.where(again, edges, new)
+
+    def _jump(self, new, edges, law, imposed):
+        """Impose states (n,) on the points between ``edges`` of Coulomb's law and ``new`` ones, which are returned."""
         for outer, inner in ((0, 3), (1, 2)):
             middle, half = (edges[outer] + edges[inner]) / 2, NARROWED * (edges[inner] - edges[outer]) / 2
             new[outer], new[inner] = min(new[outer], middle - half), max(new[inner], middle + half)
@@ -91,6 +124,11 @@ class EdgeJumps:
             return None
         ends = np.array([contact[0], stick.start, stick.stop, contact[-1] + 1])
         return (self._x[ends - 1] + self._x[ends]) / 2
+
+
+def _lagrange(known, i, wanted):
+    """Value at ``wanted`` of the polynomial that is 1 at ``known[i]`` and 0 at the others."""
+    return np.prod([(wanted - other) / (known[i] - other) for j, other in enumerate(known) if j != i])
 
 
 def _stick(states: np.ndarray) -> slice | None:

@@ -195,7 +195,7 @@ class Newton:
             self.system.start_elsewhere()
         self._may_jump = jump
         if jump:
-            self._jumps.begin()
+            self._jumps.begin(load if extrapolate else None)
         if predict:
             with self.system.problem.safeguards.all_stick():
                 self._step()
@@ -229,6 +229,9 @@ class Newton:
 
     def accept(self, load):
         """Keep what was solved: a load step has ended."""
+        if self._jumps is not None and self._states is not None:
+            turned = len(self._accepted) == 2 and not self.extrapolation(load)
+            self._jumps.accept(load, self._states, turned)
         self._accepted = [*self._accepted[-1:], (load, self.x.copy())]
 
     def extrapolation(self, load) -> float:
@@ -318,7 +321,7 @@ class Newton:
             return reason.DIVERGED_FNORM_NAN
         last = iteration >= (MOST_JUMPING if self._may_jump else snes.getTolerances()[3])
         if self._balanced():
-            settled = max(SETTLED, self._round_off) if self._changes[-1:] == [0] else SETTLED
+            settled = max(SETTLED, ROUND_OFF * self._round_off) if self._changes[-1:] == [0] else SETTLED
             if force <= settled or iteration == 0 or last or self._polished:
                 return reason.CONVERGED_FNORM_ABS
             self._polished = True

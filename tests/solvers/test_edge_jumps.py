@@ -8,6 +8,7 @@ from mpi4py import MPI
 from solving import limit_stepping, solved
 
 from forms.contact import BACKWARD, CLOSED, DRIVEN_FORWARD, FORWARD, LIFTED, OPEN, PINNED, X, Y
+from simulations.fem.load import Load
 from simulations.solvers.edge_jumps import EdgeJumps
 
 POINTS = np.linspace(-1.2, 1.2, 2402)
@@ -65,6 +66,49 @@ def test_points_that_slide_against_their_zone_belong_to_stick():
     imposed = found.after(np.where(against, BACKWARD, again), True)
     assert np.all(imposed[against] == PINNED)
     assert POINTS[imposed == DRIVEN_FORWARD].min() == pytest.approx(0.6 - e / 3, abs=3 * SPACING)  # e 2/3 further out
+
+
+def ends(Q):
+    """Edges of contact and stick, left to right, that move smoothly with Q."""
+    return np.array([-1 + 0.1 * Q**2, -0.9 + 0.4 * Q + 0.2 * Q**2, 0.9 - 0.3 * Q - 0.3 * Q**2, 1 + 0.1 * Q])
+
+
+def test_edges_are_expected_on_the_parabola_through_the_last_three():
+    found = jumps(0.0)
+    for Q in (0.2, 0.3, 0.5):
+        found.accept(Load(1.0, Q), states(*ends(Q)), turned=False)
+    found.begin(Load(1.0, 0.6))
+    imposed = found.after(states(*ends(0.55)), True)
+    left, inner_left, inner_right, _ = ends(0.6)
+    driven = POINTS[imposed == DRIVEN_FORWARD]
+    assert driven[driven < 0].max() == pytest.approx(inner_left, abs=4 * SPACING)
+    assert driven[driven > 0].min() == pytest.approx(inner_right, abs=4 * SPACING)
+    assert POINTS[imposed == LIFTED].max() == pytest.approx(left, abs=4 * SPACING)
+
+
+def test_where_the_load_turned_all_of_the_contact_stuck():
+    found = jumps(0.0)
+    for Q, turned in ((0.1, False), (0.5, False), (0.4, True)):
+        found.accept(Load(1.0, Q), states(-1.0, -0.8, 0.8, 1.0), turned)
+    found.begin(Load(1.0, 0.3))
+    imposed = found.after(states(-1.0, -0.8, 0.8, 1.0), True)
+    driven = POINTS[imposed == DRIVEN_FORWARD]
+    assert driven[driven < 0].max() == pytest.approx(-0.6, abs=3 * SPACING)  # from -1 by -0.8: as far again
+    found.begin(None)  # no step that goes on
+    assert found.after(states(-1.0, -0.8, 0.8, 1.0), True) is None
+
+
+def test_edges_do_not_jump_to_where_they_were():
+    """From -0.74 to -0.76, and back to -0.74 by a law's edge at -0.75: there it stays with the law."""
+
+    def jump_back(last):
+        found = jumps(0.0)
+        for inner in (-0.8, -0.77, -0.77):
+            found.after(states(-1.0, inner, 0.8, 1.0), True)
+        return found.after(states(-1.0, last, 0.8, 1.0), True)
+
+    nothing = [jump_back(-0.75 + n * SPACING) is None for n in range(-3, 4)]
+    assert 1 <= sum(nothing) <= 2
 
 
 def test_the_answer_does_not_depend_on_where_a_step_starts(monkeypatch):

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 from running import coarse_overrides
+from scipy.sparse import identity
 
 from forms.contact import BACKWARD, CLOSED, FORWARD, OPEN, X, Y
 from simulations.fem.contact_problem import ContactProblem, Nitsche
@@ -70,6 +71,18 @@ def test_condensed_system(partly_slipping, directions):
     problem, load = perturbed_problem(partly_slipping, directions, theta=0.0), partly_slipping[-1]
     system = CondensedSystem(problem, SurfaceCompliance(problem.body))
     assert relative_defect(system, load, np.random.default_rng(1)) < 1e-6
+
+
+@EVERY_CASE
+def test_rows_of_the_compliance_matrix_and_its_products(partly_slipping, directions):
+    """Rows are kept; a product solves for the inside of the strip. The surface's own share is symmetric (Maxwell)."""
+    compliance = SurfaceCompliance(partly_slipping[0].body)
+    matrix = compliance.matrix(directions)
+    forces = np.random.default_rng(3).standard_normal(matrix.shape[1])
+    rows = matrix.times(identity(matrix.shape[0], format="csr"))
+    assert matrix.apply(forces) == pytest.approx(rows @ forces, abs=1e-11 * np.abs(rows @ forces).max())
+    nodal = compliance.nodal(np.ones(compliance.n, bool))
+    assert nodal == pytest.approx(nodal.T, abs=1e-10 * nodal.max())
 
 
 def test_lagged_pressure(partly_slipping):

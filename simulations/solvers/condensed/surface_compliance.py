@@ -13,11 +13,10 @@ from mpi4py import MPI
 from petsc4py import PETSc
 from scipy.linalg import solve
 from scipy.sparse import csr_matrix, vstack
-from scipy.sparse.linalg import splu
 
 from ...fem.body import ElasticBody
 from ...fem.parallel import gathered
-from .matrix import ComplianceMatrix
+from .matrix import Block, ComplianceMatrix, StripInside
 from .mirror import NONE, Part, parts
 from .schur import PartialFactor
 
@@ -160,62 +159,64 @@ class SurfaceCompliance:
         place = np.searchsorted(self.strip, self._surface_dofs.T.ravel())
         forces = csr_matrix((self._is_free.T.ravel().astype(float), (place, np.arange(2 * self.n))), (r, 2 * self.n))
         among = part.among(self.strip)
-        rows = among.matrix(r)
+        rows = among.matrix(r)[:, half.inside_first]
         columns = (rows.T @ forces).tocoo()  # of the part's own surface
         own, column = np.unique(columns.row, return_inverse=True)
         columns = csr_matrix((columns.data, (columns.col, column)), (2 * self.n, len(own)))
-        unit = np.zeros((len(among.dofs), len(own)))
-        unit[own, np.arange(len(own))] = 0.5 if part.is_half else 1.0
-        self._blocks.append((rows, half.respond(unit), columns))
+        size = np.full(len(own), 0.5 if part.is_half else 1.0)
+        unit = csr_matrix((size, (own, np.arange(len(own)))), (len(among.dofs), len(own)))
+        self._blocks.append(Block(rows, half.respond(unit), columns, unit[: half.strip.border.shape[0]], half.strip))
         self.far += rows @ half.far(part.restrict(loads))
 
 
 class _Half:
-    """A part of the body on one rank: the factor of its bulk, and its strip condensed onto the interface."""
+    """A part of the body on one rank: the factor of its bulk, and its strip condensed onto the interface.
+
+    strip: stiffness inside it; inside_first: (r,) the strip's dofs of the part, those inside it before those of the
+    interface.
+    """
 
     def __init__(self, matrix: csr_matrix, is_inner: np.ndarray, is_interface: np.ndarray, definite: bool):
         """matrix: stiffness (h, h); is_inner, is_interface: (h,) which dofs are inside the strip, and on its edge."""
         self._bulk, self._inner = np.flatnonzero(~is_inner), np.flatnonzero(is_inner)
         in_strip = is_inner | is_interface
-        self._in_strip = np.flatnonzero(is_inner[in_strip]), np.flatnonzero(is_interface[in_strip])
+        self.inside_first = np.argsort(is_interface[in_strip], kind="stable")
         self._kept = np.flatnonzero(is_interface[self._bulk])
         self._factor = PartialFactor(matrix[self._bulk][:, self._bulk], self._kept, definite)
         self._assume = "pos" if definite else "sym"
         inside = matrix[self._inner][:, np.concatenate([self._inner, np.flatnonzero(is_interface)])]
         m = len(self._inner)
-        self._border = inside[:, m:]
-        self._inside = splu(inside[:, :m].tocsc())
-        self._response = self._inside.solve(self._border.toarray())
-        self._schur = self._factor.schur - self._border.T @ self._response
+        self.strip = StripInside(inside[:, :m].tocsc(), inside[:, m:])
+        self._response = self.strip.factor.solve(self.strip.border.toarray())
+        self._schur = self._factor.schur - self.strip.border.T @ self._response
 
-    def respond(self, forces: np.ndarray) -> np.ndarray:
-        """Displacements (r, c) of the strip under forces (r, c) on it."""
-        inner, interface = self._in_strip
-        return self._join(forces[inner], forces[interface])
+    def respond(self, forces: csr_matrix) -> np.ndarray:
+        """Displacements (r, c) of the strip under forces (r, c) on it, both with its inside first."""
+        m = len(self._inner)
+        return self._displacements(forces[:m], forces[m:].toarray())
 
     def far(self, forces: np.ndarray) -> np.ndarray:
-        """Displacements (r, c) of the strip under forces (h, c) anywhere."""
+        """Displacements (r, c) of the strip, its inside first, under forces (h, c) anywhere."""
         fixed = np.stack([self._factor.solve(column)[self._kept] for column in forces[self._bulk].T], axis=1)
-        return self._join(forces[self._inner], self._factor.schur @ fixed)
+        return self._displacements(csr_matrix(forces[self._inner]), self._factor.schur @ fixed)
 
     def complete(self, forces: np.ndarray, strip: np.ndarray) -> np.ndarray:
-        """Displacements (h,) of the whole part where the strip's are known, under forces (h,) on the bulk."""
+        """Displacements (h,) of the whole part where the strip's (r,) are known, under forces (h,) on the bulk."""
         right = forces[self._bulk]
-        right[self._kept] -= self._border.T @ strip[self._in_strip[0]]
+        right[self._kept] -= self.strip.border.T @ strip[self.inside_first[: len(self._inner)]]
         displacements = np.zeros(len(forces))
         displacements[self._bulk] = self._factor.solve(right)
         return displacements
 
-    def _join(self, inside, on_interface):
-        """Displacements of the strip under forces inside it and on its interface, those of the bulk condensed onto
-        that.
+    def _displacements(self, inside, on_interface):
+        """Those of the strip under forces inside it (m, c; sparse) and on its interface, those of the bulk condensed
+        onto that.
         """
-        particular = self._inside.solve(np.ascontiguousarray(inside))
-        on_interface = on_interface - self._border.T @ particular
+        on_interface = on_interface - (inside.T @ self._response).T  # the stiffness inside is symmetric
         u = solve(self._schur, on_interface, assume_a=self._assume, check_finite=False)
-        joined = np.empty((len(particular) + len(u), u.shape[1]))
-        inner, interface = self._in_strip
-        joined[inner], joined[interface] = particular - self._response @ u, u
+        m = inside.shape[0]
+        joined = np.empty((m + len(u), u.shape[1]))  # row by row, for products with sparse matrices
+        joined[:m], joined[m:] = self.strip.solve(inside.toarray(), u), u
         return joined
 
 
