@@ -7,10 +7,11 @@ from touching: as a point comes closer it moves sideways in proportion,
     s(at touch) = s_before + r clearance_before,      r = (s_after - s_before)/(clearance_before - clearance_after),
 
 where r is measured on points that are open still. In uncoupled contact with a power law, r is alpha dQ/dP as long as
-the surface beside the edge sticks, the same everywhere: then this is exact, however large the step is. Otherwise r
-varies slowly along the surface. Points that slide when they enter and then stop, as the edge of stick follows that of
-contact, are anchored on the curve that this edge draws. Where the contact is known to grow similar to itself, they are
-anchored where that lets them stick.
+the surface beside the edge sticks, the same everywhere: then this is exact, however large the step is. With coupling
+displacements oscillate ahead of an edge that sticks, and r depends on the distance from it as ``StuckEdge`` tells: one
+r for all would leave an error of first order in the step. Points that slide when they enter and then stop, as the edge
+of stick follows that of contact, are anchored on the curve that this edge draws. Where the contact is known to grow
+similar to itself, they are anchored where that lets them stick.
 
 The state after a step depends on the anchors: solve, measure, anchor, solve again.
 """
@@ -20,6 +21,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from analytic.stuck_edge import StuckEdge
 from forms.contact import CLOSED, OPEN
 
 from ..fem.contact_problem import ContactProblem
@@ -31,6 +33,7 @@ COUPLED, UNCOUPLED = (0.1, 0.6), (0.5, 2.0)
 BESIDE = 8  # points beside the edge, whose displacement has the error of the facet that it cuts
 STEPS = 0.3, 3.0  # shortest and longest step of the secant method, over the defect
 FOLLOWS = 2.0  # times as far as the edge of contact that of stick goes which follows it; further it goes in a reversal
+SAME = 1e-12  # of the contact half-width: points this close are one node's
 SIDES = (-1, 1)  # left, right
 
 
@@ -48,12 +51,13 @@ class Surface:
 
 
 class EnteringPoints:
-    """Anchors the points that enter contact in a load step of a frictional problem."""
+    """Anchors the points that enter contact in a load step of a frictional problem; edge: of a coupled one."""
 
-    def __init__(self, problem: ContactProblem):
+    def __init__(self, problem: ContactProblem, edge: StuckEdge | None = None):
         self._problem, self._points = problem, AllPoints(problem.points)
         self._x = self._points.x
         self._is_uncoupled = problem.held is not None
+        self._edge = None if self._is_uncoupled else edge
         self._window = UNCOUPLED if self._is_uncoupled else COUPLED
         self._beside = BESIDE if self._is_uncoupled else 0  # points that r is not measured on, and which ``end`` leads
         self._ratios = {side: Ratio() for side in SIDES}
@@ -93,7 +97,7 @@ class EnteringPoints:
         local = problem.terms.contact_states(), problem.memory.rest_positions(), clearance
         self._after = after = Surface(*map(self._points.gathered, local))
         old = self._points.gathered(problem.memory.anchors())
-        measure(self._x, before, after, self._ratios, self._window, self._beside)
+        measure(self._x, before, after, self._ratios, self._window, self._beside, self._edge)
         touch = self._touching(after)
         new = touch.copy()
         change = self._change(new, old)
@@ -117,7 +121,7 @@ class EnteringPoints:
 
     def _touching(self, after):
         """Anchors of all points where they stick, as far as that is known, and otherwise where they would touch."""
-        touch = anchors_of_entering(self._x, self._before, after, self._ratios)
+        touch = anchors_of_entering(self._x, self._before, after, self._ratios, self._edge)
         return np.where(np.isnan(self._stuck), touch, self._stuck)
 
     def _change(self, new, old) -> float:
@@ -167,7 +171,7 @@ class EnteringPoints:
 
 
 class Ratio:
-    """r of one edge: the number that equals what is measured with it, by the secant method."""
+    """r of a point that an edge has just reached: it equals what is measured with it, by the secant method."""
 
     def __init__(self, value: float = 0.0):
         self.value = value
@@ -183,8 +187,36 @@ class Ratio:
         self._last = value, defect
 
 
-def measure(x, before: Surface, after: Surface, ratios: dict[int, Ratio], window, beside: int):
-    """Improve r of both edges by points (n,) at x that are open before and after."""
+@dataclass(frozen=True)
+class Advance:
+    """Of one edge of contact in a load step: where it was, how far it has come, the width of the contact before."""
+
+    start: float
+    length: float
+    width: float
+
+    @classmethod
+    def of(cls, x, before: Surface, after: Surface, side: int) -> "Advance":
+        """Of points (n,) at x; an edge lies half way from the last node in contact to the next."""
+        tip = float(x[np.argmin(before.clearance)])  # from where the first contact grows
+        old = before.states if np.any(before.states != OPEN) else None
+        start, far = (tip if old is None else edge_of_contact(x, old, which) for which in (side, -side))
+        end = edge_of_contact(x, after.states, side)
+        return cls(start, side * (end - start), side * (start - far))
+
+
+def edge_of_contact(x, states, side: int) -> float:
+    """Half way from the last node in contact on a side to the next, of points (n,) at x."""
+    contact = np.flatnonzero(states != OPEN)
+    last = x[contact[-1] if side > 0 else contact[0]]
+    beyond = np.searchsorted(x, last + SAME) if side > 0 else np.searchsorted(x, last - SAME) - 1
+    return float(last + x[np.clip(beyond, 0, len(x) - 1)]) / 2
+
+
+def measure(
+    x, before: Surface, after: Surface, ratios: dict[int, Ratio], window, beside: int, edge: StuckEdge | None = None
+):
+    """Improve r of both edges by points (n,) at x that are open before and after; edge: of coupled contact."""
     for side in SIDES:
         beyond = open_points(after.states, side)
         entered = open_points(before.states, side)
@@ -198,17 +230,31 @@ def measure(x, before: Surface, after: Surface, ratios: dict[int, Ratio], window
         b, a = before.at(beyond[first:end]), after.at(beyond[first:end])
         closed = b.clearance - a.clearance
         if np.all(closed > 0):
-            ratios[side].improve(float(np.mean((a.s - b.s) / closed)))
+            r = (a.s - b.s) / closed
+            way = Advance.of(x, before, after, side)
+            if edge and way.length > 0:  # it is 0 where only one of a node's points has entered
+                distance = side * (x[beyond[first:end]] - way.start)
+                r = edge.turned(r, -side * edge.angle(distance, way.length, way.width))
+            ratios[side].improve(float(np.mean(r)))
 
 
-def anchors_of_entering(x, before: Surface, after: Surface, ratios: dict[int, Ratio]) -> np.ndarray:
+def anchors_of_entering(
+    x, before: Surface, after: Surface, ratios: dict[int, Ratio], edge: StuckEdge | None = None
+) -> np.ndarray:
     """Anchors (n,): where points open before would touch, those that were in contact as they were.
 
-    Each goes with the edge on its side: of the contact before, or of the point that was first to touch.
+    Each goes with the edge on its side: of the contact before, or of the point that was first to touch. edge: of
+    coupled contact.
     """
     contact = np.flatnonzero(before.states != OPEN)
     middle = x[contact].mean() if len(contact) else x[np.argmin(before.clearance)]
     r = np.where(x < middle, ratios[-1].value, ratios[1].value)
+    for side in SIDES if edge and np.any(after.states != OPEN) else ():
+        way = Advance.of(x, before, after, side)
+        distance = side * (x - way.start)
+        passed = (distance > 0) & (distance < way.length)
+        if np.any(passed):
+            r[passed] = edge.turned(r[passed], side * edge.angle(distance[passed], way.length, way.width))
     return np.where(before.states == OPEN, before.s + r * before.clearance, before.s)
 
 

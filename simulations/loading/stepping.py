@@ -6,6 +6,9 @@ from functools import cached_property, partial
 
 import numpy as np
 
+from analytic.material import GradedHalfPlane
+from analytic.stuck_edge import StuckEdge
+
 from ..fem.contact_problem import ContactProblem
 from ..fem.load import NO_LOAD, Load
 from ..solvers.newton import FORCE_TOLERANCE, Newton, NewtonResult, System
@@ -52,7 +55,8 @@ class LoadStepping:
     normal: the frictionless problem; frictional: the one that takes over when tangential loading starts, or from
     the first contact on (``friction_first``), or None; system: function from a problem to the newton.System that
     solves it; tolerance: Newton's, of forces and loads over P; stuck: where points at x (n,) stick while P grows from
-    first contact under friction, as a function of P and x, nan where they do not; None where this is not known.
+    first contact under friction, as a function of P and x, nan where they do not; None where this is not known;
+    solid: the half-plane that the body is near its surface, None where r of ``anchors`` is to be the same everywhere.
     """
 
     def __init__(
@@ -63,10 +67,12 @@ class LoadStepping:
         friction_first=False,
         tolerance: float = FORCE_TOLERANCE,
         stuck: Stuck | None = None,
+        solid: GradedHalfPlane | None = None,
     ):
         self.problem, self.normal, self.frictional = normal, normal, frictional
         self.body, self._system = normal.body, system
         self._friction_first, self._tolerance, self._stuck = friction_first, tolerance, stuck
+        self._edge = StuckEdge(solid) if solid else None
         self.options = Options()
         self._newton: Newton = None  # type: ignore[assignment]  # made when the stage begins
         self._normal_newton: Newton = None  # type: ignore[assignment]
@@ -119,7 +125,7 @@ class LoadStepping:
     @cached_property
     def entering(self) -> EnteringPoints:
         """Anchors of the points that enter contact under friction."""
-        return EnteringPoints(self.problem)
+        return EnteringPoints(self.problem, self._edge)
 
     def _start(self, problem):
         return Newton(self._system(problem), self.body.mesh.comm, tolerance=self._tolerance)

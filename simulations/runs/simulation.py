@@ -95,6 +95,7 @@ class Simulation(Meshed):
             "friction in normal stage" in self.effects,
             tolerance,
             _stuck(pressing) if pressing else None,
+            self.scaled.solid,
         )
         self.body.delta.value[Y] = indenter.height(1.0)  # overlap on |x| < a: where Newton starts
         self.sampler = SurfaceSampler(self.body, normal, scene.friction and "coupling" not in self.effects)

@@ -79,7 +79,10 @@ def action(row: dict) -> str:
     """What a user can do about a case that is not green."""
     why = row["why"]
     if row["outcome"] == FAILED:
-        return "more solver.increments; above the critical coefficient effects.elastic_slip or a smaller load.mu"
+        return (
+            "effects.elastic_slip, a coarser mesh.edge_facet or more solver.increments; "
+            "with solver.theta ≠ 0 a larger solver.gamma0"
+        )
     if row["outcome"] == REFUSED and not why.startswith(AFTER):
         return "the value that the reason names"
     if why.endswith(HELPS):

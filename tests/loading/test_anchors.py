@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 
+from analytic import GradedHalfPlane
+from analytic.stuck_edge import StuckEdge
 from forms.contact import BACKWARD, CLOSED, FORWARD, OPEN
 from simulations.loading.anchors import (
     Ratio,
@@ -40,6 +42,27 @@ def test_the_ratio_is_measured_on_points_that_are_open_still():
     ratios = {-1: Ratio(), 1: Ratio()}
     measure(X, before, Surface(after.states, before.s + moved, after.clearance), ratios, (0.1, 0.6), 0)
     assert (ratios[-1].value, ratios[1].value) == pytest.approx((0.2, -0.3))
+
+
+@pytest.mark.parametrize("k, nu", [(0.534, -0.19), (0.0, 0.0), (-0.5, 0.2)])
+def test_ahead_of_a_stuck_edge_open_points_tell_where_those_passed_touched(k, nu):
+    """Rates are complex powers of the distance from the edge, which comes from 0.5 to 0.7 on the right."""
+    edge, start, end = StuckEdge(GradedHalfPlane(E0=1.0, nu=nu, k=k, y0=1.0)), 0.5125, 0.7125  # half way between nodes
+    power = (3 - k) / 2 + 1j * edge.oscillation
+    ahead, left = np.maximum(X - start, 0.0), np.maximum(X - end, 0.0)
+    # of a contact of this width the rates go with ln(distance/(distance + width))
+    moved = (0.8 - 0.5j) * (ahead**power - left**power) * (ahead + 2 * start) ** (-1j * edge.oscillation)
+    s = np.sqrt(edge.solid.alpha) * moved.imag
+    before, after = touching(0.51), touching(0.71, s=s)
+    before.clearance[:] = moved.real + left
+    after.clearance[:] = left
+    ratios = {-1: Ratio(), 1: Ratio()}
+    measure(X, before, after, ratios, (0.1, 0.6), 0, edge)
+    anchors = anchors_of_entering(X, before, after, ratios, edge)
+    passed = (X > 0.51) & (X < 0.71)
+    assert anchors[passed] == pytest.approx(s[passed], rel=1e-9)
+    single = anchors_of_entering(X, before, after, ratios)[passed]
+    assert np.any(np.abs(single - s[passed]) > 0.05 * np.abs(s[passed]))
 
 
 def test_a_side_that_does_not_grow_keeps_its_ratio():

@@ -12,7 +12,9 @@ from analytic import PressingWithFriction
 from simulations.api import make_scene
 from simulations.loading.stepping import LoadStepping
 from simulations.runs import checks
-from simulations.runs.comparison import relative_l2
+from simulations.runs.comparison import compare_state, own_errors, relative_l2
+from simulations.runs.mesh_free import MeshFree
+from simulations.runs.reference import of_same_physics
 from simulations.runs.simulation import Simulation
 from simulations.runs.springs import Springs
 
@@ -107,6 +109,56 @@ def test_pressing_with_friction_is_exact_with_two_steps(k, nu, mu):
     # slip zones of 0.002 a and 0.02 a dissipate next to nothing
     assert last.dissipated == pytest.approx(exact.dissipated_energy, rel=5e-4, abs=1e-6)
     assert not failing(simulation)
+
+
+STRONG = LOOP | {"solid.modulus": "power law", "solid.k": 0.534, "solid.nu": -0.19, "solid.y0_over_a0": 10.0}
+STRONG |= {"load.mu": 2.1, "load.amplitude": 0.765, "load.cycles": 0}
+
+
+def apart(found: Simulation, expected: Simulation, name: str) -> float:
+    """Difference of the last states, relative L2."""
+    a, b = (simulation.history.entries[-1].surface for simulation in (found, expected))
+    return relative_l2(b.weight, getattr(a, name), getattr(b, name))
+
+
+def test_two_steps_of_strong_coupling_do_as_eight():
+    """The advancing edge sticks: r of the points that it passes turns with their distance from where it was."""
+    facet = {"mesh.edge_facet": 0.02}
+    many = run(STRONG, 8, **facet)
+    few = run(STRONG, 2, many.cells, **facet)
+    alike = Simulation(MPI.COMM_SELF, few.scene, many.cells)  # one r for all
+    alike.solver = LoadStepping(alike.solver.normal, alike.solver.frictional, alike._system)
+    alike.run_to_end()
+    for name in ("pressure", "traction"):
+        assert apart(few, many, name) < 8e-3
+        assert apart(alike, many, name) > 3e-2
+
+
+@pytest.mark.slow
+def test_the_mesh_free_solver_states_its_error_where_an_edge_sticks():
+    """It anchors points where the step began; the truth is that of many load steps."""
+    few = run(STRONG, 2, **{"mesh.edge_facet": 0.02})
+    reference, last = of_same_physics(few), few.history.entries[-1]
+    assert isinstance(reference, MeshFree)
+    error, own = compare_state(last, reference), own_errors(few.history, reference)
+    many = MeshFree(few, nodes=(300,), finer=8)
+    x, w = last.surface.x, last.surface.weight
+    true = relative_l2(w, reference.traction(last, x), many.traction(last, x))
+    assert 0.03 < true < 2 * own["traction_l2"]
+    assert abs(error["traction_l2"]) < 2 * own["traction_l2"]
+    assert relative_l2(w, last.surface.traction, many.traction(last, x)) < 0.03
+
+
+@pytest.mark.slow
+def test_pressing_with_friction_where_points_in_stick_are_not_known():
+    """k < 0, so that the load steps find them; half of the error that one r for all has with two steps."""
+    solid = {"solid.modulus": "power law", "solid.k": -0.3, "solid.nu": 0.3, "solid.y0_over_a0": 10.0}
+    load = {"load.mu": 1.0, "load.cycles": 0, "effects.friction_in_normal_stage": True, "solver.normal_increments": 2}
+    simulation = run(LOOP | solid | load, 1)
+    pressed = [e for e in simulation.history.entries if e.increment.branch == "normal"][-1].surface
+    exact = PressingWithFriction(simulation.scaled.solid, simulation.scaled.indenter.analytic(), 1.0, 1.0)
+    assert relative_l2(pressed.weight, pressed.pressure, exact.pressure(pressed.x)) < 1e-2
+    assert relative_l2(pressed.weight, pressed.traction, exact.traction(pressed.x)) < 7e-2
 
 
 def test_a_dwell_and_a_return_pass_the_check_of_slip():

@@ -1,0 +1,57 @@
+"""Open surface ahead of an edge of contact that sticks as it advances, where displacements oscillate."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import atanh, cos, pi, sqrt
+
+import numpy as np
+
+from .half_plane.surface_kernel import PowerLawKernel
+from .material import GradedHalfPlane
+
+STEEPEST = 1.4  # angle; nearer to the old edge than this tells, points hardly have to move
+CLOSEST = 1e-6  # distance from the old edge, over the advance
+
+
+@dataclass(frozen=True)
+class StuckEdge:
+    """Ratio r of sliding to closing of open points while an edge of contact in stick comes closer, coupling included.
+
+    For a small advance of the edge both displacements are those of a singular rate, a complex power of the distance. So
+    r is sqrt(alpha) tan(theta) with an angle theta that goes with the logarithm of the distance. One number is left,
+    the r of a point that the edge has just reached.
+
+    solid: the half-plane, or what a coating is near the surface. Angles are those on the right of a contact; on
+    the left they have the other sign.
+    """
+
+    solid: GradedHalfPlane
+
+    @cached_property
+    def oscillation(self) -> float:
+        """epsilon of docs/equations.md: 0 at the Holl ratio, ln(3-4 nu)/(2 pi) for k = 0."""
+        k = self.solid.k
+        even = pi / 2 * np.sinc(k / 2)  # sin(k pi/2)/k
+        d = PowerLawKernel(self.solid).d
+        return atanh(-d * cos(k * pi / 2) / (even * sqrt(self.solid.bk * self.solid.gk))) / pi
+
+    def angle(self, distance, advance: float, width: float) -> np.ndarray:
+        """Change of theta from a point that the edge has just reached to those at ``distance`` > 0 (n,).
+
+        distance: from where the edge was, [length] as are its advance and the width of the contact before. Points
+        closer than the advance are taken until they touch. A contact that grows from a point has no length, and r
+        is the same for all that have touched.
+        """
+        return self._phase(np.asarray(distance), advance, width) - self._phase(np.array([advance]), advance, width)
+
+    def turned(self, r, angle):
+        """The ratio ``r`` with its theta changed by ``angle``."""
+        scale = sqrt(self.solid.alpha)
+        return scale * np.tan(np.clip(np.arctan(r / scale) + angle, -STEEPEST, STEEPEST))
+
+    def _phase(self, distance, advance, width):
+        power = (3 - self.solid.k) / 2 + 1j * self.oscillation  # of the rate, integrated
+        near = np.maximum(distance / advance, CLOSEST)
+        left = np.maximum(near - 1.0, 0.0)  # ahead of the edge as it is now
+        moved = near**power - np.where(left > 0, left, 1.0) ** power * (left > 0)
+        return np.angle(moved) - self.oscillation * np.log(near + width / advance)
