@@ -81,10 +81,12 @@ def check(
 def check_errors(errors: dict[str, float], own: dict[str, float]) -> dict[str, Check]:
     """Checks of a run's errors beside its reference, by the names of ``comparison.compare``; nan is not known.
 
-    own: of these errors what is the reference's, which is in them and may have made them as much larger again.
+    own: of these errors what is the reference's, which is in them and may have made them as much larger again. It
+    excuses no more than twice the limit: a reference that is known less well does not judge the run.
     """
     known = {name: abs(errors[name]) for name in ERRORS if not np.isnan(errors.get(name, np.nan))}
-    sure = {name: max(error - 2 * own.get(name, 0.0), 0.0) for name, error in known.items()}
+    excused = {name: 2 * min(own.get(name, 0.0), ERRORS[name]) for name in known}
+    sure = {name: max(error - excused[name], 0.0) for name, error in known.items()}
     found = {f"error of {name.removesuffix('_l2')}": Check(error, ERRORS[name]) for name, error in sure.items()}
     failing = [name for name in found if not found[name].holds]
     return found | {name: replace(found[name], cause=LARGE) for name in failing[:1]}

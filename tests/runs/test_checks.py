@@ -99,6 +99,11 @@ def test_what_the_reference_may_have_made_itself_fails_no_check():
     assert found["error of pressure"] == checks.Check(pytest.approx(0.09), 0.1)
 
 
+def test_a_reference_that_is_hardly_known_excuses_little():
+    found = checks.check_errors({"traction_l2": 0.71}, {"traction_l2": 0.35})
+    assert found["error of traction"].value == pytest.approx(0.51) and not checks.hold(found)
+
+
 def test_steady_loop_does_not_drift():
     assert checks.drift(solved(solid__nu=0.3, load__cycles=5, solver__increments=1).history) < 1e-9
 
