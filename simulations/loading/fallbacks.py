@@ -56,7 +56,7 @@ def jumping_newton(newton: Newton, load: Load, options: Options) -> list[NewtonR
     """Newton's method with jumps of edges, from the nearest state that is known."""
     start = {}
     if not newton.has_solved(load):  # else the state is that of other anchors
-        start = {"extrapolate" if newton.extrapolation(load) else "predict": True}
+        start = {"extrapolate" if newton.last_steps.ahead(load) else "predict": True}
     return [newton.solve(load, jump=True, confirm=options.confirm, **start)]
 
 

@@ -93,6 +93,14 @@ class LoadStepping:
         """What solved the normal stage, once friction has begun."""
         return self._normal_newton.system
 
+    def save(self) -> dict[str, np.ndarray]:
+        """What the next step takes from those before beside the fields, of rank 0; see ``Newton.save``."""
+        return self._newton.save()
+
+    def restore(self, saved: dict[str, np.ndarray]):
+        """Go on from what ``save`` returned."""
+        self._newton.restore(saved)
+
     def skip(self, done: list[LoadStep]):
         """Stand where a run stands that has done these steps; its memory is yet to be restored."""
         self._newton = self._start(self.normal)

@@ -17,6 +17,7 @@ def save(solver: LoadStepping, numbering: Numbering) -> dict[str, np.ndarray] | 
     """Everything that the next increment depends on, by name, on rank 0; None on the others."""
     body, problem = solver.body, solver.problem
     memory = {"delta": body.delta.value.copy(), "forces": solver.system.last_forces()}
+    memory |= solver.save()
     memory["state"] = numbering.gather(body.state.x.array)
     if problem.friction:
         memory["anchor"] = numbering.gather_points(problem.memory.anchor.x.array)
@@ -54,3 +55,4 @@ def restore(memory: dict[str, np.ndarray], solver: LoadStepping, numbering: Numb
         solver.normal_system.take_up(memory["normal forces"])
     numbering.scatter(memory["state"], body.state.x.array)
     solver.system.take_up(memory["forces"])
+    solver.restore(memory)

@@ -17,6 +17,7 @@ import numpy as np
 from forms.contact import BACKWARD, CLOSED, DRIVEN_BACKWARD, DRIVEN_FORWARD, FORWARD, LIFTED, OPEN, PINNED
 
 from ..fem.contact_problem import ContactProblem, Y
+from ..fem.load import Load
 from ..fem.surface_points import AllPoints
 
 SIDES = -1, 1  # left, right
@@ -58,6 +59,14 @@ class EdgeJumps:
         if turned:
             kept = [(before, contact[[0, 0, 3, 3]]) for before, contact in kept[-1:]]
         self._accepted = [] if edges is None else [*kept, (load, edges)]
+
+    def save(self) -> dict[str, np.ndarray]:
+        """What was accepted, as an array by name."""
+        return {"last edges": np.reshape([[*load, *edges] for load, edges in self._accepted], (-1, 7))}
+
+    def restore(self, saved: dict[str, np.ndarray]):
+        """Go on from what ``save`` returned, if it is among ``saved``."""
+        self._accepted = [(Load(*row[:3]), row[3:]) for row in saved.get("last edges", ())]
 
     def after(self, states: np.ndarray, jump: bool) -> np.ndarray | None:
         """What to impose on this rank's points (m,) in the next step, see ``contact.slides``; None for nothing.

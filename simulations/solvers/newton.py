@@ -15,6 +15,7 @@ from petsc4py import PETSc
 
 from ..fem.contact_problem import ContactProblem
 from .edge_jumps import EdgeJumps
+from .last_steps import LastSteps
 
 SNES_OPTIONS = {
     "snes_type": "newtonls",
@@ -38,7 +39,6 @@ STEP_TOLERANCE = 1e-11  # a step this small (relative) ends the iteration if rou
 ATTAINABLE = 1e-6  # ... below this
 MOST_JUMPING = 20  # iterations of a solve in which edges jump, before another way is tried
 JUMPS = 6  # first ones of these, in which they do
-FURTHEST = 3.0  # extrapolation, over the last load step
 
 
 @dataclass(frozen=True)
@@ -172,7 +172,7 @@ class Newton:
         self._jumps = EdgeJumps(system.problem) if system.problem.friction else None
         self._may_jump = False
         self._imposed = system.create_vector()  # residual under imposed contact states
-        self._accepted: list[tuple] = []  # loads and unknowns of the last two load steps
+        self.last_steps = LastSteps()
         self._solved = None  # load of the last solve, if it converged
         self.after_linearise = lambda: None  # called with the fields at the iterate
         self.after_residual = lambda: False  # likewise; True where it changed the problem, whose residual is renewed
@@ -187,11 +187,7 @@ class Newton:
         self._polished = False
         self._begin(load)
         if extrapolate:
-            (_, first), (_, second) = self._accepted
-            share = self.extrapolation(load)
-            self.x.set(0.0)
-            self.x.axpy(1.0 + share, second)
-            self.x.axpy(-share, first)
+            self.last_steps.extrapolate(load, self.x)
             self.system.start_elsewhere()
         self._may_jump = jump
         if jump:
@@ -230,18 +226,20 @@ class Newton:
     def accept(self, load):
         """Keep what was solved: a load step has ended."""
         if self._jumps is not None and self._states is not None:
-            turned = len(self._accepted) == 2 and not self.extrapolation(load)
-            self._jumps.accept(load, self._states, turned)
-        self._accepted = [*self._accepted[-1:], (load, self.x.copy())]
+            self._jumps.accept(load, self._states, self.last_steps.turned(load))
+        self.last_steps.keep(load, self.x)
 
-    def extrapolation(self, load) -> float:
-        """How far ``load`` lies beyond the last two load steps, over the last one; 0 where it is not on their line."""
-        if len(self._accepted) < 2:
-            return 0.0
-        before, last = (np.array(load) for load, _ in self._accepted)
-        done, ahead = last - before, np.array(load) - last
-        share = done @ ahead / (done @ done) if np.any(done) else 0.0
-        return share if 0 < share <= FURTHEST and np.allclose(ahead, share * done, rtol=0, atol=1e-9 * load.P) else 0.0
+    def save(self) -> dict[str, np.ndarray]:
+        """What the next solve takes from earlier load steps, as arrays by name, of rank 0; {} where no rank has it."""
+        if not self.system.last_forces().size:
+            return {}
+        return self.last_steps.save() | (self._jumps.save() if self._jumps else {})
+
+    def restore(self, saved: dict[str, np.ndarray]):
+        """Go on from what ``save`` returned, which every rank has among ``saved``."""
+        self.last_steps.restore(saved, self.x)
+        if self._jumps:
+            self._jumps.restore(saved)
 
     def balance(self, load) -> NewtonResult:
         """Whether the present state already balances the loads, by the same measure; nothing is moved."""

@@ -52,7 +52,7 @@ def test_increments_start_with_all_points_sticking(monkeypatch):
 def test_near_incompressibility_chatters_without_the_mean_stress(monkeypatch):
     mixed = iterations(solid__nu=0.49, solid__k=0.0)
     monkeypatch.setattr("simulations.scene.scene.LOCKING", 0.499)
-    assert iterations(solid__nu=0.49, solid__k=0.0) > 2 * mixed
+    assert iterations(solid__nu=0.49, solid__k=0.0) > 1.5 * mixed
 
 
 def test_tolerance_follows_round_off(monkeypatch):
@@ -68,7 +68,7 @@ def test_tolerance_follows_round_off(monkeypatch):
 def test_first_contact_has_facets_enough(monkeypatch):
     """Pressed on with little friction, few points all slide at first, and one has to be pinned; of more some stick."""
     monkeypatch.setattr(PinnedPoint, "update", lambda self: False)
-    scene = {"solid__k": -0.5, "solid__nu": 0.3, "load__mu": 0.01, "effects__friction_in_normal_stage": "true"}
+    scene = {"solid__k": 0.0, "solid__nu": 0.3, "load__mu": 0.003, "effects__friction_in_normal_stage": "true"}
     simulation = solved(**scene)
     assert len(simulation.history.entries) == len(simulation.schedule)
     monkeypatch.setattr(edges, "FIRST", 0.5)

@@ -10,10 +10,14 @@ from scipy.sparse.linalg import splu
 
 @dataclass(frozen=True)
 class StripInside:
-    """Stiffness of the strip's inside (m, m), and the border (m, b) that couples it to its interface."""
+    """Stiffness of the strip's inside (m, m), and the border (m, b) that couples it to its interface.
+
+    definite: whether the stiffness is; else, with the mean stress, a sparse solve loses four digits.
+    """
 
     stiffness: csc_matrix
     border: csr_matrix
+    definite: bool
 
     @cached_property
     def factor(self):
@@ -21,7 +25,7 @@ class StripInside:
         return splu(self.stiffness)
 
     def __getstate__(self):  # a factor cannot be sent to another rank
-        return {"stiffness": self.stiffness, "border": self.border}
+        return {"stiffness": self.stiffness, "border": self.border, "definite": self.definite}
 
     def solve(self, forces: np.ndarray, interface: np.ndarray) -> np.ndarray:
         """Displacements (m, ...) inside under forces (m, ...) there, those of the interface (b, ...) known."""
@@ -56,6 +60,8 @@ class Block:
     def apply(self, forces: np.ndarray) -> np.ndarray:
         """Displacements (r,) under forces (c,)."""
         own = self._gathering @ forces
+        if not self.inside.definite:
+            return self.rows @ (self.dense @ own)
         interface = self.dense[self.loads.shape[0] :] @ own
         inside = self.inside.solve(self.loads @ own, interface)
         return self.rows @ np.concatenate([inside, interface])

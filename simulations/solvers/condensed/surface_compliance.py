@@ -186,7 +186,7 @@ class _Half:
         self._assume = "pos" if definite else "sym"
         inside = matrix[self._inner][:, np.concatenate([self._inner, np.flatnonzero(is_interface)])]
         m = len(self._inner)
-        self.strip = StripInside(inside[:, :m].tocsc(), inside[:, m:])
+        self.strip = StripInside(inside[:, :m].tocsc(), inside[:, m:], definite)
         self._response = self.strip.factor.solve(self.strip.border.toarray())
         self._schur = self._factor.schur - self.strip.border.T @ self._response
 
