@@ -19,7 +19,8 @@ from .springs import last_cycle
 Tell = Callable[[int, int], None]  # load steps done, and all of them
 NODES = (400, 300)  # the next number is tried where one does not converge
 FINER = 2  # load steps of the reference for one of the run: what depends on the steps is not shared
-COARSER_NODES = (300, 200)  # and the run's own load steps, for an estimate of the reference's error
+LEAST = 8  # load steps from point to point of a path: with fewer the error does not yet fall like the step
+COARSER_NODES = (300, 200)  # and half of the load steps, for an estimate of the reference's error
 
 
 class NoReference(RuntimeError):
@@ -30,9 +31,10 @@ class MeshFree:
     """States of the half-plane solver at the load steps of a simulation; NoReference where it fails.
 
     nodes: how many at each load step, the next number where one does not converge, and then with how many it did;
-    finer: load steps for one of the simulation; tell: called after each. coarser: the same with fewer of both, made
-    if ``estimated``: points that enter contact within a load step keep an error of first order in it, also at
-    constant P where coupling moves the contact. The difference is about the error of this solution.
+    finer: load steps for one of the simulation, ``steps_for_one`` where not given; tell: called after each. coarser:
+    the same with fewer of both, made if ``estimated``: points that enter contact within a load step keep an error of
+    first order in it, also at constant P where coupling moves the contact. The difference is about the error of this
+    solution.
     """
 
     name = "mesh-free half-plane solver"
@@ -42,9 +44,10 @@ class MeshFree:
         simulation: Simulation,
         tell: Tell | None = None,
         nodes: tuple[int, ...] = NODES,
-        finer: int = FINER,
+        finer: int | None = None,
         estimated: bool = False,
     ):
+        finer = finer or steps_for_one(simulation)
         friction_first = "friction in normal stage" in simulation.effects
         loads, places = refined(simulation.schedule, friction_first, finer)
         failure = None
@@ -66,7 +69,7 @@ class MeshFree:
         self._states = [states[place] for place in places]
         self._schedule = simulation.schedule
         self._energy = self._dissipated(simulation.pressing_with_friction())
-        self.coarser = MeshFree(simulation, nodes=COARSER_NODES, finer=1) if estimated else None
+        self.coarser = MeshFree(simulation, nodes=COARSER_NODES, finer=finer // 2) if estimated else None
 
     def _at(self, entry: Entry) -> ContactState:
         return self._states[entry.number]
@@ -111,7 +114,13 @@ class MeshFree:
         return found + exact - self._states[pressed].dissipated_energy
 
 
-def refined(schedule: list[LoadStep], friction_first: bool, finer: int = FINER) -> tuple[list[Load], list[int]]:
+def steps_for_one(simulation: Simulation) -> int:
+    """Load steps of the reference for one of the simulation."""
+    scene = simulation.scene
+    return max(FINER, -(-LEAST // scene.solver.increments)) if scene.is_path else FINER
+
+
+def refined(schedule: list[LoadStep], friction_first: bool, finer: int) -> tuple[list[Load], list[int]]:
     """Loads with ``finer`` steps in the place of one, and where those of the schedule are among them.
 
     The first stays one step, as does frictionless pressing, which leaves no memory.

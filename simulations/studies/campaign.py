@@ -17,7 +17,7 @@ from ..loading.stepping import SolveError
 from ..output import style
 from ..output.files import write_table, write_text
 from ..runs.comparison import apart, compare, compare_state
-from ..runs.mesh_free import MeshFree, NoReference
+from ..runs.mesh_free import MeshFree, NoReference, steps_for_one
 from ..runs.reference import Reference, all_states, of_same_physics
 from ..runs.simulation import Simulation
 from ..runs.springs import Springs
@@ -30,7 +30,7 @@ from .store import Store
 KINDS = ("uncoupled loop", "coupled loop", "path of P and Q", "nested loops", "friction from first contact")
 SEED = 20261122  # of the draw
 ORDERS = 8, 12  # of the basis of the solver without load steps, which as a reference has 10
-RESOLUTIONS = (450, 3), (600, 4)  # nodes and steps for one of the run; as a reference the solver has 400 and 2
+RESOLUTIONS = (450, 1.5), (600, 2.0)  # nodes, and steps over those of this solver as a reference, which has 400 nodes
 KNOWN = 1 / 3  # of the larger of both errors: a truth that is known less well judges nothing
 SHORT = 0.5  # of the true error: what is stated must not be smaller
 ENERGY = "dissipated_energy"
@@ -96,7 +96,8 @@ def truths(simulation: Simulation, reference: Reference) -> tuple[Reference, Ref
             return coarse, fine
         except NoReference:  # the other solver may
             pass
-    coarse, fine = (MeshFree(simulation, nodes=(nodes,), finer=finer) for nodes, finer in RESOLUTIONS)
+    steps = steps_for_one(simulation)
+    coarse, fine = (MeshFree(simulation, nodes=(n,), finer=round(more * steps)) for n, more in RESOLUTIONS)
     return coarse, fine
 
 

@@ -5,6 +5,7 @@ from mpi4py import MPI
 from running import run_command
 
 from simulations.runs.comparison import apart, compare_state
+from simulations.runs.mesh_free import steps_for_one
 from simulations.runs.reference import closed_form, of_same_physics
 from simulations.runs.simulation import Simulation
 from simulations.scene import make_scene
@@ -34,6 +35,7 @@ def test_error_of_the_reference_is_stated():
     simulation = Simulation(MPI.COMM_SELF, make_scene(values | COARSE | path, base=None)).run_to_end()
     reference, exact, last = of_same_physics(simulation), closed_form(simulation), simulation.history.entries[-1]
     own, true = apart(last, reference.coarser, reference), apart(last, reference, exact)
+    assert steps_for_one(simulation) == 8
     assert 0.5 < own["traction_l2"] / true["traction_l2"] < 3.0
     assert compare_state(last, reference)["traction_l2"] > own["traction_l2"] > 0.01
 
