@@ -65,7 +65,8 @@ def run(main: Callable[[list[str]], None]):
         if comm.size == 1:
             sys.exit(1)
         comm.Abort(1)
-    stopping.over()
+    if code:
+        stopping.over()
     _leave_together(code)
 
 
@@ -94,6 +95,7 @@ def _leave_together(code):
     ctypes.CDLL(None).fflush(None)  # what PETSc has printed
     if rank == 0 and ranks:
         _wait_for_end([pid for host, pid in ranks[1:] if host == socket.gethostname()])
+    stopping.over()  # not before: until here a rank may be killed, and the line says that the run is done
     os._exit(0 if rank else code)  # not through the interpreter's own end, in which a signal would find no handler
 
 

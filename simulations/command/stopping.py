@@ -71,10 +71,10 @@ class Stopping:
 
     def over(self):
         """The command ends by itself: there is nothing to say."""
-        self._go_on, self.keep = "", None
         if self._herald:
             self._herald.leave()
             self._herald = None
+        self._go_on, self.keep = "", None
 
     def _line(self, reason):
         return f"{reason}; {self._go_on}" if self._go_on else reason
