@@ -53,14 +53,27 @@ class Grading:
 
     def facet_size(self, x):
         """Wanted facet length at ``x``."""
-        slope, slope_at_stop = np.log(self.growth), np.log(max(self.growth, STOP_GROWTH))
+        slope = np.log(self.growth)
         to_edge = np.min([np.abs(x - edge) for edge in self.edges], axis=0)
         outside = np.maximum(np.abs(x) - self.strip, 0.0)
         sizes = [self.edge_facet + slope * to_edge, self.facet + slope * outside]
+        stops = np.array([(left, size) for left, right, size in self.sweeps if left == right])
         for left, right, size in self.sweeps:
-            growth = slope_at_stop if left == right else slope
-            sizes.append(size + growth * np.maximum(np.maximum(left - x, x - right), 0.0))
+            if left < right:
+                sizes.append(size + slope * np.maximum(np.maximum(left - x, x - right), 0.0))
+        if len(stops):
+            places, least = stops[np.argsort(stops[:, 0])].T
+            sizes.append(_least(x, places, least, np.log(max(self.growth, STOP_GROWTH))))
         return np.min(sizes, axis=0)
+
+
+def _least(x, places, sizes, slope):
+    """Least of size + slope |x - place| at x, of any shape; the places (n,) increase."""
+    from_left = np.minimum.accumulate(sizes - slope * places)
+    from_right = np.minimum.accumulate((sizes + slope * places)[::-1])[::-1]
+    before = np.searchsorted(places, x)
+    left, right = np.append(np.inf, from_left)[before], np.append(from_right, np.inf)[before]
+    return np.minimum(left + slope * x, right - slope * x)
 
 
 def columns(grading: Grading) -> np.ndarray:
@@ -72,7 +85,9 @@ def columns(grading: Grading) -> np.ndarray:
     extent = grading.extent
     clouds = [np.linspace(-extent, extent, 4001), 2 * np.linspace(-grading.strip, grading.strip, 4001)]
     offsets = np.geomspace(1e-2 * grading.edge_facet, 2 * extent, 4000)
-    clouds += [edge + sign * offsets for edge in {*grading.edges, *grading.stops} for sign in (-1, 1)]
+    clouds += [edge + sign * offsets for edge in set(grading.edges) for sign in (-1, 1)]
+    offsets = np.geomspace(1e-2 * grading.edge_facet, grading.facet / np.log(STOP_GROWTH), 500)
+    clouds += [stop + sign * offsets for stop in set(grading.stops) for sign in (-1, 1)]
     clouds += [np.linspace(left, right, 1001) for left, right, _ in grading.sweeps]
     x = np.unique(np.concatenate(clouds))
     x = x[np.abs(x) <= extent]

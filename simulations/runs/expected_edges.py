@@ -1,5 +1,6 @@
 """Expected edges of contact and stick zone, before anything is solved: the mesh is graded to them."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -24,6 +25,7 @@ FINEST = 4.0  # the finest on that way with coupling, which k < -0.3 comes to: m
 AT_STOPS = 2.0, 0.8  # error of q at k < 0 on the way of the edges of stick, without coupling and with it
 ON_THE_WAY = 0.07, 0.15  # error of p on the contact's way, k >= 0 and k < 0, over that of ``facet`` and k = 0
 STOP = 2.0, 4.0  # error of q that a stop may cost (limits.expected_error) over facet², for k >= 0 and k < 0
+TURNED = 2.0  # where slip has turned, q changes by 2 mu p
 FIRST = 3  # facets, either side, in the contact of the first increment with friction
 
 
@@ -44,7 +46,7 @@ class ExpectedEdges:
     """Places x > 0 where edges turn round, and ways (from, to) of the contact's and of the stick's between them.
 
     What is at x is at -x too. first: half-width of contact after the first increment, if friction acts in it; stops:
-    where the edge of stick is after a load step, and the size of q there (Stop); exact: none is an estimate;
+    where an edge of stick or contact is after a load step, and the size of q there (Stop); exact: none is an estimate;
     fineness: ``facet`` over the facets on the way of the edges of stick, if more than 1; early: about where it stops
     first, where these are not known.
     """
@@ -91,7 +93,7 @@ class ExpectedEdges:
 
 
 class Stop(NamedTuple):
-    """Place x > 0 of an edge of stick after a load step, and q there over mu p (L2) and over the turns of the edge."""
+    """Place x > 0 of an edge after a load step, and q in that state over mu p (L2) and over the turns of the edge."""
 
     x: float
     share: float
@@ -128,16 +130,27 @@ def _stops(states) -> tuple[Stop, ...]:
     a, mu = states[0].contact_half_width, states[0].memory.mu
     x = a * np.linspace(-1.0, 1.0, SAMPLES + 2)[SAMPLES // 2 + 1 : -1]  # half of them: p and q are even
     limit = mu * np.linalg.norm(states[0].pressure(x))
-    shares: dict[float, float] = {}
+    found = []
     seen = set()  # on the way up q is what it was on the way down, with the other sign
     for state in states:
         c = round(state.stick_half_width / a, 9)
         if state.P == states[0].P and c < 1.0 and (c, len(state.memory.P)) not in seen:
             seen.add((c, len(state.memory.P)))
-            kink = 1.0 if len(state.memory.P) <= 3 else 2.0  # where slip has turned, q changes by 2 mu p
-            share = float(np.linalg.norm(state.traction(x)) / limit / kink)
-            shares[c] = min(share, shares.get(c, share))
-    return tuple(Stop(c * a, share) for c, share in shares.items() if share > 0.0)
+            kink = 1.0 if len(state.memory.P) <= 3 else TURNED
+            found.append((c * a, float(np.linalg.norm(state.traction(x)) / limit / kink)))
+    return stops_at(found)
+
+
+def stops_at(found: Iterable[tuple[float, float]], merged: float = 1e-9) -> tuple[Stop, ...]:
+    """Stops from places x and shares of q: places within ``merged`` are one, in their middle, with the least share."""
+    groups: list[list[tuple[float, float]]] = []
+    for stop in sorted(found):
+        if groups and stop[0] - groups[-1][0][0] < merged:
+            groups[-1].append(stop)
+        else:
+            groups.append([stop])
+    stops = (Stop((group[0][0] + group[-1][0]) / 2, min(share for _, share in group)) for group in groups)
+    return tuple(stop for stop in stops if stop.share > 0.0)
 
 
 def _rough_edges(scene, scaled, effects, loads):

@@ -9,7 +9,8 @@ from ..loading.schedule import LoadStep, pressing, rocking, stretched, visiting
 from ..scene import Scene
 from ..scene.effects import Effects
 from ..scene.scaling import Scaled
-from .expected_edges import expected_edges
+from .coupled_loop import grades, loop_edges
+from .expected_edges import ExpectedEdges, expected_edges
 from .stretched_edges import exact_edges, rough_edges
 from .timing import Stopwatch
 
@@ -61,21 +62,28 @@ class Plan:
     def grading(self) -> Grading:
         """Cell sizes of the scene, graded to where contact and stick zone are expected to end."""
         scene = self.scene
-        loads = [increment.load for increment in self.schedule]
         with self.watch("edges"):
-            if "bulk strain" not in self.effects:
-                found = expected_edges(scene, self.scaled, self.loop, self.effects, loads)
-            elif self.stretched and self.effects.has_closed_form:
-                found = exact_edges(self.stretched, loads)
-            else:
-                loads = [increment.load for increment in self._loop(min(scene.cycles, 1), ROUGH_QUARTER)]
-                found = rough_edges(scene, self.scaled, self.effects, loads)
+            found = self._edges()
         sizes = scene.cell_sizes | {"extent": self.extent}
         if found.exact:
             sizes.setdefault("edge_at", best_place(scene.mesh.degree, scene.k))
         edges = {*found.edges, *(-e for e in found.edges)}
         sweeps = found.sweeps(scene.k, sizes["facet"], sizes["edge_facet"])
         return Grading(edges=tuple(sorted(edges)), sweeps=sweeps, **sizes)
+
+    def _edges(self) -> ExpectedEdges:
+        """Where contact and stick zone are expected to end."""
+        scene, loads = self.scene, [increment.load for increment in self.schedule]
+        if "bulk strain" in self.effects:
+            if self.stretched and self.effects.has_closed_form:
+                return exact_edges(self.stretched, loads)
+            loads = [increment.load for increment in self._loop(min(scene.cycles, 1), ROUGH_QUARTER)]
+            return rough_edges(scene, self.scaled, self.effects, loads)
+        found = None
+        if grades(scene, self.effects):
+            first_cycle = [increment.load for increment in self.schedule if increment.cycle <= 1]
+            found = loop_edges(scene, self.scaled, self.mu, first_cycle)
+        return found or expected_edges(scene, self.scaled, self.loop, self.effects, loads)
 
     def _schedule(self):
         scene = self.scene

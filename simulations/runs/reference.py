@@ -8,11 +8,12 @@ from typing import Protocol
 
 import numpy as np
 
-from . import step_free
+from .coupled_loop import grades, serves
 from .history import Entry, History
 from .mesh_free import MeshFree, NoReference, Tell
 from .simulation import Simulation
 from .springs import Springs
+from .step_free import StepFree
 from .stretched import StretchedForm
 
 ROUGH_TIMES, ROUGH_INCREMENTS = 20.0, 20  # of an increment over one of the rough edges' of a loop, which makes so many
@@ -67,8 +68,11 @@ def expected_seconds(simulation: Simulation) -> float:
     kind = simulation.scene.reference.kind
     if kind == "none" or (simulation.effects.has_closed_form and kind != "half-plane"):
         return 0.0
+    seconds = simulation.watch.seconds.get("edges", 0.0)
+    if grades(simulation.scene, simulation.effects):  # the edges are the reference's; its error takes as long again
+        return seconds
     shares = len(simulation.schedule) / (ROUGH_INCREMENTS if simulation.scene.is_loop else len(simulation.schedule))
-    return ROUGH_TIMES * shares * simulation.watch.seconds.get("edges", 0.0)
+    return ROUGH_TIMES * shares * seconds
 
 
 def of_same_physics(simulation: Simulation, tell: Tell | None = None) -> Reference:
@@ -84,9 +88,9 @@ def of_same_physics(simulation: Simulation, tell: Tell | None = None) -> Referen
         return exact
     if kind == "closed form":
         raise NoReference("there is no closed form of this problem, and reference.kind = closed form")
-    if step_free.serves(simulation):
+    if serves(simulation.scene, simulation.effects):
         try:
-            return step_free.StepFree(simulation, estimated=True)
+            return StepFree(simulation, estimated=True)
         except NoReference:  # the other solver may
             pass
     return MeshFree(simulation, tell, estimated=True)

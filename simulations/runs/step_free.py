@@ -1,23 +1,15 @@
 """Reference of coupled loops: states of the half-plane found directly from the last turn of Q, without load steps."""
 
-from analytic import CoupledLoop
 from analytic.coupled.loop import ORDER
 from analytic.half_plane.linear import ContactNotConverged
 
+from .coupled_loop import loop_of, states_of
 from .history import Entry
 from .mesh_free import NoReference
 from .simulation import Simulation
 from .springs import last_cycle
 
-LOWEST, HIGHEST = -0.5, 0.7  # k for which the accuracy in docs/coupling_kernel.md is meant
 LOWER = 2  # by which the order is lower for the estimate of the error
-
-
-def serves(simulation: Simulation) -> bool:
-    """True for coupling on a power law, pressed without friction, without bulk strain, and then at constant P."""
-    on, scene = simulation.effects, simulation.scene
-    others = "friction in normal stage" in on or "bulk strain" in on
-    return "coupling" in on and scene.is_power_law and LOWEST <= scene.k <= HIGHEST and not others
 
 
 class StepFree:
@@ -32,9 +24,9 @@ class StepFree:
     def __init__(self, simulation: Simulation, order: int = ORDER, estimated: bool = False, like=()):
         scaled, self._schedule = simulation.scaled, simulation.schedule
         coupled = "coupling" in simulation.effects
-        loop = CoupledLoop(scaled.solid, scaled.indenter.analytic(), 1.0, simulation.mu, coupled, order)
+        loop, loads = loop_of(scaled, simulation.mu, coupled, order), tuple((s.P, s.Q) for s in self._schedule)
         try:
-            self._states = loop.run([(step.P, step.Q) for step in self._schedule], like)
+            self._states = loop.run(loads, like) if like else states_of(loop, loads)
         except (ContactNotConverged, ValueError, ArithmeticError) as failure:
             raise NoReference(str(failure)) from None
         self.coarser = self._other(simulation, order) if estimated else None

@@ -8,11 +8,10 @@ from ..fem.load import Load
 from ..scene import Scene, SceneError
 from ..scene.effects import Effects
 from ..scene.scaling import Scaled
-from .expected_edges import NODES, SAMPLES, ExpectedEdges, Stop, half_plane_solver, several
+from .expected_edges import NODES, SAMPLES, TURNED, ExpectedEdges, half_plane_solver, several, stops_at
 from .limits import NARROWEST
 
 FINER = 6.0  # facets on the ways of the edges of stick where these are not known exactly
-TURNED = 2.0  # where slip has turned, q changes by 2 mu p
 
 
 def exact_edges(loop: StretchedLoop, loads: list[Load]) -> ExpectedEdges:
@@ -20,7 +19,7 @@ def exact_edges(loop: StretchedLoop, loads: list[Load]) -> ExpectedEdges:
     a, ends = loop.loop.a, loop.shift + loop.c * np.array([-1.0, 1.0])
     x = a * np.linspace(-1.0, 1.0, SAMPLES + 2)[1:-1]
     limit = loop.loop.mu * np.linalg.norm(loop.loop.contact.pressure(x))
-    stops: dict[float, float] = {}
+    found = []
     for before, load in zip(loads, loads[1:]):
         branch = "unloading" if load.Q < before.Q else "initial"
         if abs(load.Q) == loop.loop.Q_A or (branch == "initial" and before.Q < 0):
@@ -28,13 +27,8 @@ def exact_edges(loop: StretchedLoop, loads: list[Load]) -> ExpectedEdges:
         centre, c = loop.zone(load.Q, branch)
         kink = 1.0 if branch == "initial" else TURNED
         share = float(np.linalg.norm(loop.traction(x, load.Q, branch)) / limit / kink)
-        for end in (centre - c, centre + c):
-            place = round(abs(end) / a, 9)
-            if place < 1.0:
-                stops[place] = min(share, stops.get(place, share))
-    return ExpectedEdges(
-        several([*ends / a, 1.0]), stops=tuple(Stop(place * a, share) for place, share in stops.items()), exact=True
-    )
+        found += [(abs(end), share) for end in (centre - c, centre + c) if round(abs(end) / a, 9) < 1.0]
+    return ExpectedEdges(several([*ends / a, 1.0]), stops=stops_at(found), exact=True)
 
 
 def rough_edges(scene: Scene, scaled: Scaled, effects: Effects, loads: list[Load]) -> ExpectedEdges:

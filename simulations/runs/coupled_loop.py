@@ -1,0 +1,74 @@
+"""Coupled loops solved without load steps, before any finite element: edges for the mesh, states for the reference.
+
+Between two turns of Q each state follows from that at the turn (``analytic.CoupledLoop``). So the edges of contact and
+stick after every load step are known, and the mesh has a place for each. The reference takes the same states.
+"""
+
+from collections.abc import Sequence
+from functools import lru_cache
+
+import numpy as np
+
+from analytic import CoupledLoop
+from analytic.coupled.loop import ORDER
+from analytic.half_plane.linear import ContactNotConverged
+
+from ..fem.load import Load
+from ..scene import Scene
+from ..scene.effects import Effects
+from ..scene.scaling import Scaled
+from .expected_edges import TURNED, ExpectedEdges, several, stops_at
+
+LOWEST, HIGHEST = -0.5, 0.7  # k for which the accuracy in docs/coupling_kernel.md is meant
+FINE = 2e-3  # facets at edges, over a, that are smaller than what the rough solution's edges are off
+MERGED = 0.5  # smallest facets between edges, below which both have one place
+
+
+def serves(scene: Scene, effects: Effects) -> bool:
+    """True for coupling on a power law, pressed without friction, without bulk strain, and then at constant P."""
+    others = "friction in normal stage" in effects or "bulk strain" in effects
+    return "coupling" in effects and scene.is_power_law and LOWEST <= scene.k <= HIGHEST and not others
+
+
+def loop_of(scaled: Scaled, mu: float, coupling: bool = True, order: int = ORDER) -> CoupledLoop:
+    """The loop in scaled units, P = 1."""
+    return CoupledLoop(scaled.solid, scaled.indenter.analytic(), 1.0, mu, coupling, order)
+
+
+@lru_cache(maxsize=1)
+def states_of(loop: CoupledLoop, loads: tuple[tuple[float, float], ...]) -> list:
+    """States at the loads (P, Q), once for mesh and reference. Raises what ``CoupledLoop.run`` does."""
+    return loop.run(loads)
+
+
+def grades(scene: Scene, effects: Effects) -> bool:
+    """True where the mesh is graded to the edges of this solution: with larger facets rough edges do as well."""
+    return scene.is_loop and serves(scene, effects) and scene.cell_sizes["edge_facet"] < FINE
+
+
+def loop_edges(scene: Scene, scaled: Scaled, mu: float, loads: Sequence[Load]) -> ExpectedEdges | None:
+    """Edges of contact and stick after every load step of the first cycle; None where there is no solution.
+
+    A stop of the contact costs q = mu p what it costs p; one of stick costs q alone.
+    """
+    try:
+        states = states_of(loop_of(scaled, mu), tuple((load.P, load.Q) for load in loads))
+    except (ContactNotConverged, ValueError, ArithmeticError):
+        return None
+    Q_A = max(state.Q for state in states)
+    ends: list[float] = []
+    found: list[tuple[float, float]] = []
+    kink = 1.0
+    for before, state in zip(states, states[1:]):
+        kink = TURNED if state.Q < before.Q else kink
+        edges = (*state.contact, *state.stick)
+        share = np.sqrt(state.weight @ state.traction**2 / (state.weight @ (mu * state.pressure) ** 2))
+        if np.isclose(abs(state.Q), Q_A) or (scene.mesh.edges == "states" and _is_quarter(state.Q / Q_A)):
+            ends = [*edges, *ends]  # the last first
+        else:
+            found += [(abs(edge), float(part)) for edge, part in zip(edges, share / [1.0, 1.0, kink, kink])]
+    return ExpectedEdges(several(ends), stops=stops_at(found, MERGED * scene.cell_sizes["edge_facet"]), exact=True)
+
+
+def _is_quarter(share):
+    return np.isclose(2 * share, round(2 * share))

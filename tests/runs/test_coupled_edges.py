@@ -1,0 +1,56 @@
+"""The mesh of a coupled loop: a place for the edges of contact and stick after every load step."""
+
+import numpy as np
+import pytest
+
+from simulations.fem.mesh import Grading, columns
+from simulations.runs import coupled_loop
+from simulations.runs.coupled_loop import grades, loop_of, states_of
+from simulations.runs.expected_edges import Stop, stops_at
+from simulations.runs.plan import Plan
+from simulations.runs.timing import Stopwatch
+from simulations.scene import DEFAULT_SCENE, parse
+
+
+def plan(*settings) -> Plan:
+    return Plan(parse(DEFAULT_SCENE, ("solid.nu=0.3", *settings)), Stopwatch())
+
+
+def test_facets_are_small_where_an_edge_stops_and_edges_lie_where_they_cost_least():
+    """Beside every edge facets are below half of ``facet``; more than half of the edges have the best place in
+    theirs, the others are too close to these.
+    """
+    made = plan("solver.increments=3")
+    grading = made.grading()
+    x = columns(grading)
+    states = states_of(loop_of(made.scaled, made.mu), tuple((step.P, step.Q) for step in made.schedule))
+    edges = np.abs([edge for state in states[1:] for edge in (*state.contact, *state.stick)])
+    after = np.searchsorted(x, edges)
+    facets = x[after] - x[after - 1]
+    place = (edges - x[after - 1]) / facets
+    assert len(edges) == 60 and facets.max() < grading.facet / 2
+    assert np.mean(np.abs(place - grading.edge_at) < 0.1) > 0.5
+
+
+def test_neighbouring_stops_are_one_with_the_least_share():
+    found = [(0.5, 0.3), (0.9, 0.2), (0.5004, 0.1), (0.5006, 0.4), (0.7, 0.0)]
+    assert stops_at(found, 5e-4) == (Stop(pytest.approx(0.5002), 0.1), Stop(0.5006, 0.4), Stop(0.9, 0.2))
+
+
+def test_no_solution_leaves_the_rough_edges(monkeypatch):
+    """At the edge of a stick zone that grows there is none; nor is there on large facets, which gain nothing."""
+    asked = plan("solid.nu=0", "load.mu=1", "solid.k=-0.3")
+    assert grades(asked.scene, asked.effects)
+    assert coupled_loop.loop_edges(asked.scene, asked.scaled, asked.mu, [step.load for step in asked.schedule]) is None
+    assert asked.grading().stops == ()
+    coarse = plan("mesh.edge_facet=0.01")
+    assert not grades(coarse.scene, coarse.effects)
+
+
+def test_facets_beside_many_stops_are_the_least_of_all_their_cones():
+    """Against each stop by itself."""
+    random = np.random.default_rng(1)
+    stops = tuple((place, place, size) for place, size in random.uniform([-1, 1e-4], [1, 1e-2], (50, 2)))
+    x = random.uniform(-2, 2, 300)
+    each = [Grading((1.0,), sweeps=(stop,)).facet_size(x) for stop in stops]
+    assert Grading((1.0,), sweeps=stops).facet_size(x) == pytest.approx(np.min(each, axis=0), rel=1e-12)
