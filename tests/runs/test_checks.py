@@ -9,7 +9,9 @@ from running import coarse_arguments, run_command
 from solving import coarse_simulation, solved
 
 from simulations.runs import checks, report_data
+from simulations.runs.comparison import worst
 from simulations.runs.energy import EnergyMeter, worst_defect
+from simulations.runs.springs import Springs
 
 
 @pytest.fixture(scope="module")
@@ -90,6 +92,22 @@ def test_errors_beside_the_reference_are_checked():
     found = report_data.find(simulation)
     assert not found.checks["error of traction"].holds
     assert f"limit 1e-01); {checks.LARGE}" in report_data.failing(found)
+
+
+def test_on_degree_1_errors_are_those_of_the_layers():
+    """So the cause that a check of errors tells names them: finer facets alone leave q as it is."""
+    edges = {"mesh__edge_facet": 0.01, "mesh__growth": 1.3, "mesh__first_layer": 0.02}
+    degree_1 = edges | {"mesh__degree": 1, "mesh__facet": 0.05, "load__amplitude": 0.4, "effects__coupling": "false"}
+
+    def error(**changes):
+        simulation = solved(**degree_1 | changes)
+        springs = Springs(simulation.contact, simulation.mu, simulation.schedule)
+        return worst(simulation.history, springs)["traction_l2"]
+
+    as_it_is = error(mesh__layer_growth=1.6)
+    assert error(mesh__layer_growth=1.6, mesh__facet=0.025) > 0.9 * as_it_is
+    assert error(mesh__layer_growth=1.2) < 0.3 * as_it_is
+    assert "mesh.layer_growth" in checks.LARGE
 
 
 def test_what_the_reference_may_have_made_itself_fails_no_check():
