@@ -76,13 +76,19 @@ def _scene(kind: str, random: np.random.Generator) -> dict:
 
 
 def solve(values: dict) -> dict:
-    """One scene: ``states``, a list of rows of ``judged``, with the names of reference and truth; or ``why`` not."""
+    """One scene: ``states``, a list of rows of ``judged``, with the names of reference and truth.
+
+    Where one of the three fails, ``missing`` names it and ``why`` says why: without a truth the run may be right.
+    """
+    missing = "run"
     try:
         simulation = Simulation(MPI.COMM_SELF, make_scene(values, base=None)).run_to_end()
+        missing = "reference"
         reference = of_same_physics(simulation)
+        missing = "truth"
         coarse, fine = truths(simulation, reference)
     except (SceneError, SolveError, NoReference) as reason:
-        return {"why": str(reason)}
+        return {"missing": missing, "why": str(reason)}
     return {"reference": reference.name, "truth": fine.name, "states": judged(simulation, reference, coarse, fine)}
 
 
@@ -140,13 +146,14 @@ def flat(scenes: dict[str, dict], found: list[dict]) -> list[dict]:
             errors = {error: f"{state[error]:.2e}" for error in ("stated", "true", "doubt")}
             rows.append(head | state | load | errors | {"verdict": verdict(state)})
         if "states" not in row:
-            rows.append(head | {"verdict": "no run: " + row.get("why", row.get(FAILED, ""))})
+            missing, why = row.get("missing", "run, reference or truth"), row.get("why", row.get(FAILED, ""))
+            rows.append(head | {"verdict": f"no {missing}: {why}"})
     return rows
 
 
 def table(scenes: dict[str, dict], found: list[dict]) -> str:
     """Markdown: a row a kind of scene and quantity."""
-    lines = ["| scenes | run | quantity | values | known | stated < true/2 | smallest stated/true | largest true |"]
+    lines = ["| scenes | judged | quantity | values | known | stated < true/2 | smallest stated/true | largest true |"]
     lines.append("|---|---|---|---:|---:|---:|---:|---:|")
     for kind in KINDS:
         mine = [row for name, row in zip(scenes, found, strict=True) if name.partition(" ")[2] == kind]

@@ -5,7 +5,7 @@ from mpi4py import MPI
 from running import run_command
 
 from simulations.runs.comparison import apart, compare_state
-from simulations.runs.mesh_free import steps_for_one
+from simulations.runs.mesh_free import NoReference, steps_for_one
 from simulations.runs.reference import closed_form, of_same_physics
 from simulations.runs.simulation import Simulation
 from simulations.scene import make_scene
@@ -38,6 +38,27 @@ def test_error_of_the_reference_is_stated():
     assert steps_for_one(simulation) == 8
     assert 0.5 < own["traction_l2"] / true["traction_l2"] < 3.0
     assert compare_state(last, reference)["traction_l2"] > own["traction_l2"] > 0.01
+
+
+STAGES = [("run", "Simulation"), ("reference", "of_same_physics"), ("truth", "truths")]
+
+
+@pytest.mark.parametrize("missing, fails", STAGES)
+def test_what_is_missing_is_named(monkeypatch, missing, fails):
+    """A run whose truth is not found has not failed."""
+
+    class Ended:
+        def run_to_end(self):
+            return self
+
+    def none(*_):
+        raise NoReference("not found")
+
+    for name, does in {"Simulation": lambda *_: Ended(), "of_same_physics": lambda *_: None, fails: none}.items():
+        monkeypatch.setattr(campaign, name, does)
+    scenes = campaign.drawn(1)
+    (row,) = campaign.flat(scenes, [campaign.solve(values) for values in scenes.values()])
+    assert row["verdict"] == f"no {missing}: not found"
 
 
 @pytest.mark.parametrize(
