@@ -10,7 +10,7 @@ from ..cylinder import CylinderContact
 from ..half_plane.linear import ContactNotConverged
 from ..half_plane.surface_kernel import PowerLawKernel
 from ..normal import ProfileContact
-from .exponents import edge_exponent
+from .exponents import edge_exponent, hilbert_ratio
 from .panels import GAUSS, Panels, even_kernel, graded
 from .tractions import Interpolated
 
@@ -47,7 +47,7 @@ class Problem:
     @property
     def tau(self):
         """O is tau times the Hilbert transform of R."""
-        return 2 / np.pi * np.cos(self.k * np.pi / 2) / np.sinc(self.k / 2)
+        return hilbert_ratio(self.k)
 
 
 class NormalStage:
