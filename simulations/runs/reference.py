@@ -10,7 +10,7 @@ import numpy as np
 
 from . import step_free
 from .history import Entry, History
-from .mesh_free import MeshFree, NoReference, Tell
+from .mesh_free import FINER, MeshFree, NoReference, Tell, steps_for_one
 from .simulation import Simulation
 from .springs import Springs
 from .stretched import StretchedForm
@@ -68,7 +68,7 @@ def expected_seconds(simulation: Simulation) -> float:
     if kind == "none" or (simulation.effects.has_closed_form and kind != "half-plane"):
         return 0.0
     shares = len(simulation.schedule) / (ROUGH_INCREMENTS if simulation.scene.is_loop else len(simulation.schedule))
-    return ROUGH_TIMES * shares * simulation.watch.seconds.get("edges", 0.0)
+    return ROUGH_TIMES * shares * steps_for_one(simulation) / FINER * simulation.watch.seconds.get("edges", 0.0)
 
 
 def of_same_physics(simulation: Simulation, tell: Tell | None = None) -> Reference:
