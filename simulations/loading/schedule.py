@@ -63,7 +63,7 @@ def rocking(P: float, Q_A: float, cycles: int, quarter: int, harmonic: bool = Fa
             i = round(np.interp(z, [0.0, *swing], np.arange(2 * quarter + 1))) - 1
             if i >= 0:
                 down[i] = replace(down[i], state=state)
-        up = [LoadStep(Load(P, -Q_A * (1 - z)), "reloading", "", cycle, 1, angle) for z in swing]
+        up = [LoadStep(Load(P, Q_A * (z - 1)), "reloading", "", cycle, 1, angle) for z in swing]
         up[-1] = replace(up[-1], state="A")
         schedule += down + up
     return schedule
