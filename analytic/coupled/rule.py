@@ -1,4 +1,4 @@
-"""Quadrature over a contact: of functions with the powers of its edges in them, and of those with weak singularities."""
+"""Quadrature over a contact of functions with the powers of its edges in them, or with weak singularities."""
 
 from functools import lru_cache
 
