@@ -2,10 +2,11 @@
 
 from dataclasses import dataclass
 from functools import cached_property
-from math import atanh, cos, pi, sqrt
+from math import sqrt
 
 import numpy as np
 
+from .coupled.exponents import oscillation
 from .half_plane.surface_kernel import PowerLawKernel
 from .material import GradedHalfPlane
 
@@ -29,11 +30,9 @@ class StuckEdge:
 
     @cached_property
     def oscillation(self) -> float:
-        """epsilon of docs/equations.md: 0 at the Holl ratio, ln(3-4 nu)/(2 pi) for k = 0."""
-        k = self.solid.k
-        even = pi / 2 * np.sinc(k / 2)  # sin(k pi/2)/k
-        d = PowerLawKernel(self.solid).d
-        return atanh(-d * cos(k * pi / 2) / (even * sqrt(self.solid.bk * self.solid.gk))) / pi
+        """epsilon, see ``coupled.exponents.oscillation``."""
+        solid = self.solid
+        return oscillation(solid.k, solid.bk, solid.gk, PowerLawKernel(solid).d)
 
     def angle(self, distance, advance: float, width: float) -> np.ndarray:
         """Change of theta from a point that the edge has just reached to those at ``distance`` > 0 (n,).

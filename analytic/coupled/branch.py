@@ -1,31 +1,25 @@
-"""States between two turns of the tangential load, and the work that friction takes since the first of them."""
-
-from functools import cached_property
+"""States between two turns of the tangential load."""
 
 import numpy as np
-from numpy.polynomial import Chebyshev
 from scipy.optimize import brentq
 
 from ..half_plane.linear import ContactNotConverged
 from .edges import ITERATIONS, EdgeSolver, edges_of
-from .full_stick import stick_compliance
-from .panels import gauss
 from .problem import NormalStage
+from .rule import smooth_rule
 
 FIRST = 0.02  # least load over the span of the branch, where there is a solution,
 FIRST_BORNE = 0.5  # and from which on there must be one,
 STRIDE, HALVINGS = 3.0, 2  # factor between loads on the way there, halvings of its logarithm where there is none,
 COARSER = 1.5  # and how much larger the least load is if the loop is ``like`` another
-POWER = 2.0  # of the variable in which the loads are spread, see ``Branch._spread``
+POWER = 2.0  # of the variable in which the loads are spread, see ``Branch.variable``
 EXTRA, LATER = 4, 6  # number of loads in the first part more than the order is, and in each of the others
 MIDDLE = 0.3  # span at which the first of them is sought
 SHORTEST, CLOSER = 1e-3, 3  # part at the end of a branch over its span, and states on the way to where it begins
 SPARSE = 3  # so many loads are solved before it is known where a stick edge passes an earlier turn
 LEAST_WIDTH = 0.02  # of slip inside the contact at the turn, over the load, where a solution is still sought
 PATIENCE = 12  # iterations at loads that need no solution
-BEYOND = 0.3  # logarithm of the load over which the motion is continued to the turn
 CONDITIONS = 1e-5  # violation of the conditions of friction that is borne, in units of the problem
-WORK_NODES = 24  # of the integral over the loads, and of that over each part of a zone of slip
 
 
 class Branch:
@@ -33,7 +27,7 @@ class Branch:
 
     guess: variables of the edges (see ``guess``) as a function of the distance from the turn; like: this branch with
     another order of the basis. loads: distances from the turn at which states are known; parts: those where a stick
-    edge passes a place where it turned before, between which delta_x is smooth.
+    edge passes a place where it turned before, between which delta_x is smooth; nodes: loads asked for in each part.
     """
 
     def __init__(self, problem, base, direction, span, guess, like=None):
@@ -41,7 +35,6 @@ class Branch:
         self._limit = problem.mu * (1 if isinstance(base, NormalStage) else 2)
         self._solver = EdgeSolver(problem, base, direction * problem.mu)
         self._guess = like.guessed if like else guess
-        self._stuck = stick_compliance(problem, (base.contact[1] - base.contact[0]) / 2)
         self.loads, self._known = np.empty(0), []
         count = problem.order + EXTRA
         first = min(COARSER * like.loads[0], FIRST_BORNE * span) if like else FIRST * span
@@ -50,17 +43,17 @@ class Branch:
         crossings = self._crossings()
         self.parts = np.array([0.0, *crossings, span])
         lows, counts = [self.loads[0], *crossings], [count, *[LATER] * len(crossings)]
-        self._nodes = [self._spread(*part) for part in zip(lows, self.parts[1:], counts, strict=True)]
-        for loads in self._nodes:
+        self.nodes = [self._spread(*part) for part in zip(lows, self.parts[1:], counts, strict=True)]
+        for loads in self.nodes:
             self._solve_at(loads)
 
-    def _progress(self, load):
-        """1 - c/a as it is without coupling, (48): in this variable delta_x is smooth up to full slip."""
-        return -np.expm1(np.log1p(-load / self._limit) / (2 + self.problem.k))
+    def variable(self, load):
+        """(1 - c/a)^(1/POWER) as it is without coupling, (48): in it delta_x is smooth up to full slip."""
+        return (-np.expm1(np.log1p(-load / self._limit) / (2 + self.problem.k))) ** (1 / POWER)
 
     def _spread(self, low, high, count):
-        """Loads from low to high, Chebyshev points in the root of ``_progress``."""
-        first, last = (self._progress(load) ** (1 / POWER) for load in (low, high))
+        """Loads from low to high, Chebyshev points in ``variable``."""
+        first, last = self.variable(low), self.variable(high)
         v = first + (last - first) * (1 - np.cos(np.pi * np.arange(count) / (count - 1))) / 2
         loads = -self._limit * np.expm1(np.log1p(-(v**POWER)) * (2 + self.problem.k))
         loads[[0, -1]] = low, high
@@ -132,6 +125,12 @@ class Branch:
         weights = [np.prod((at - np.delete(t, i)) / (t[i] - np.delete(t, i))) for i in range(len(t))]
         return variables + weights @ np.array([self._known[i][2] for i in near])
 
+    def between(self, low, high):
+        """Known loads from low to high (n,), and delta_x at them (n,)."""
+        known = [(load, state.delta_x) for load, state, _ in self._known if low <= load <= high]
+        loads, delta_x = zip(*known, strict=True)
+        return np.array(loads), np.array(delta_x)
+
     def state(self, Q):
         """State at Q."""
         load = abs(Q - self.base.Q)
@@ -184,65 +183,3 @@ class Branch:
             self._solve_at(np.array([load]))
             low, high = (low, load) if distance(low) * distance(load) < 0 else (load, high)
         return load
-
-    @cached_property
-    def _softening(self):
-        """(delta_x since the turn / load - that in full stick) / load, a function of ``_progress``^(1/POWER) for each
-        of the ``parts``; it changes like the logarithm of the load just after the turn."""
-        functions = []
-        for nodes in self._nodes:
-            known = [k for k in self._known if nodes[0] <= k[0] <= nodes[-1]]
-            t = np.array([k[0] for k in known])
-            moved = self.direction * (np.array([k[1].delta_x for k in known]) - self.base.delta_x)
-            v = self._progress(t) ** (1 / POWER)
-            values = (moved / t - self._stuck) / t
-            functions.append(Chebyshev.fit(v, values, min(len(t), len(nodes)) - 1, domain=[v[0], v[-1]]))
-        return functions
-
-    def _motion_integral(self, load):
-        """∫ (distance of the indenter since the turn) over the load, from the turn."""
-        g, w = gauss(WORK_NODES)
-        total = self._stuck * load**2 / 2
-        for low, high, function in zip(self.parts, self.parts[1:], self._softening, strict=False):
-            high = min(high, load)
-            if low == 0:  # up to the first known state as a parabola over the logarithm of the load
-                low = min(self.loads[0], load)
-                u = np.array([0.0, BEYOND / 2, BEYOND])
-                parabola = np.polyfit(u, function(self._progress(self.loads[0] * np.exp(u)) ** (1 / POWER)), 2)
-                u = np.log(low / self.loads[0])
-                total += low**3 / 3 * (parabola @ [u**2 - 2 * u / 3 + 2 / 9, u - 1 / 3, 1])
-            if high > low:
-                t = low + (high - low) * (1 + g) / 2
-                total += (high - low) / 2 * (w @ (t**2 * function(self._progress(t) ** (1 / POWER))))
-        return total
-
-    def dissipated(self, state):
-        """Work of friction since the turn, from the balance of energy.
-
-        Work of Q, less that stored: half of (tractions at the turn + tractions now) times the displacements since then.
-        Where the contact sticks these are the indenter's; elsewhere slip and gap are left.
-        """
-        base, Q = self.base, state.Q - self.base.Q
-        work = Q * (state.delta_x - base.delta_x) / 2 - self._motion_integral(abs(Q))
-        sides = (
-            (min(base.contact[0], state.contact[0]), state.stick[0]),
-            (state.stick[1], max(base.contact[1], state.contact[1])),
-        )
-        for low, high in sides:
-            x, weight = smooth_rule(low, high, [*base.breaks, *base.contact, *state.contact])
-            moved = state.displacements(self.problem, x) - base.displacements(self.problem, x)
-            touching = (x > state.contact[0]) & (x < state.contact[1])
-            if (back := (moved[0] * self.direction)[touching].max()) > CONDITIONS:
-                raise ContactNotConverged(f"Q = {state.Q:g} P: a point slips backwards, by {back:.1e}")
-            p, q = state.tractions(x) + base.tractions(x)
-            work -= weight @ (q * moved[0] + p * moved[1]) / 2
-        return float(work)
-
-
-def smooth_rule(low, high, breaks):
-    """Nodes and weights between low and high for functions with weak singularities at the ``breaks``."""
-    g, w = gauss(WORK_NODES)
-    t = (1 + g) / 2
-    points = np.unique([low, *[x for x in breaks if low < x < high], high])
-    a, length = points[:-1, None], np.diff(points)[:, None]
-    return (a + length * t**3 * (10 - 15 * t + 6 * t**2)).ravel(), (length * w / 2 * 30 * t**2 * (1 - t) ** 2).ravel()

@@ -1,13 +1,27 @@
 """Exponents with which tractions end at the edges of contact and of stick."""
 
-from math import atan2, cos, pi
+from math import atan2, atanh, cos, pi, sqrt
 
 import numpy as np
 
 
+def hilbert_ratio(k):
+    """tau = k cot(k pi/2), 2/pi for k = 0: the kernel O is tau times the Hilbert transform of R, see ``panels``."""
+    return 2 / pi * cos(k * pi / 2) / float(np.sinc(k / 2))
+
+
 def coupling_ratio(k, bk, d):
     """d cos(k pi/2) / (b sin(k pi/2)): ratio of the kernels' transforms, finite for k = 0."""
-    return d * cos(k * pi / 2) / (bk * pi / 2 * float(np.sinc(k / 2)))
+    return hilbert_ratio(k) * d / bk
+
+
+def oscillation(k, bk, gk, d):
+    """epsilon of docs/equations.md: at an edge that sticks rates of traction end like distance^((k-1)/2) times cos and
+    sin of epsilon ln(distance).
+
+    0 at the Holl ratio, ln(3-4 nu)/(2 pi) for k = 0.
+    """
+    return -atanh(coupling_ratio(k, sqrt(bk * gk), d)) / pi
 
 
 def edge_exponent(k, bk, d, friction):

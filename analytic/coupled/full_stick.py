@@ -3,6 +3,8 @@
 import numpy as np
 from scipy.special import loggamma
 
+from .exponents import oscillation
+
 STEP, REACH = 0.05, 6.0  # of the double exponential rule
 
 
@@ -11,12 +13,12 @@ def stick_compliance(problem, half):
 
     With D = d/sqrt(bk gk) the rates phi = sqrt(bk/gk) dp/dQ + i dq/dQ make R*phi + i D O*phi constant. As with friction
     (``exponents.edge_exponent``), which is imaginary here, phi is i C (1+t)^(e-1) (1-t)^(conj(e)-1), with
-    e = (1+k)/2 - i artanh(tau D)/pi at the left edge; C from the integral of phi. delta_x is u_x in the middle.
+    e = (1+k)/2 + i epsilon (``exponents.oscillation``); C from the integral of phi. delta_x is u_x in the middle.
     """
     k = problem.k
     D = problem.d / np.sqrt(problem.bk * problem.gk)
-    turning = np.arctanh(problem.tau * D) / np.pi
-    exponent = (1 + k) / 2 + 1j * turning
+    epsilon = oscillation(k, problem.bk, problem.gk, problem.d)
+    exponent = (1 + k) / 2 + 1j * epsilon
     C = 2**-k * np.exp(loggamma(1 + k) - 2 * loggamma(exponent).real)
     # t = tanh s, and s = exp(y - exp(-y)): the ends of 0 < s become regular
     y = np.arange(-REACH, REACH, STEP)
@@ -24,6 +26,6 @@ def stick_compliance(problem, half):
     weight = STEP * s * (1 + np.exp(-y)) * np.cosh(s) ** -(1 + k)
     log = np.log(half * np.tanh(s))
     even = np.expm1(-k * log) / k if k else -log
-    of_q = problem.gk * (weight @ (even * np.cos(2 * turning * s)))
-    of_p = -problem.gk * D * (weight @ (np.exp(-k * log) * np.sin(2 * turning * s)))
+    of_q = problem.gk * (weight @ (even * np.cos(2 * epsilon * s)))
+    of_p = problem.gk * D * (weight @ (np.exp(-k * log) * np.sin(2 * epsilon * s)))
     return float(2 * C * (of_q + of_p))

@@ -11,6 +11,7 @@ from . import guess
 from .branch import Branch
 from .problem import NormalStage
 from .state import CoupledState, Units
+from .work import FrictionalWork
 
 ORDER = 10  # of the basis, which also says at how many loads a branch is solved for its energy
 
@@ -71,7 +72,8 @@ class CoupledLoop:
             try:
                 branch = Branch(problem, base, direction, span, self._guess(branches), alike[number] if alike else None)
                 reached = [branch.state(Q) for Q in Qs]
-                works = [branch.dissipated(state) for state in reached]
+                friction = FrictionalWork(branch)
+                works = [friction.at(state) for state in reached]
             except ContactNotConverged as failure:
                 raise ContactNotConverged(f"P = {self.P:g}, Q up to {Qs[-1] * self.P:g}: {failure}") from None
             for state, work in zip(reached, works, strict=True):

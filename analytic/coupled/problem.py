@@ -10,8 +10,8 @@ from ..cylinder import CylinderContact
 from ..half_plane.linear import ContactNotConverged
 from ..half_plane.surface_kernel import PowerLawKernel
 from ..normal import ProfileContact
-from .exponents import edge_exponent
-from .panels import GAUSS, Panels, even_kernel, graded
+from .exponents import edge_exponent, hilbert_ratio
+from .panels import Panels, even_kernel, graded
 from .tractions import Interpolated
 
 LEVELS, RATIO = 15, 0.4  # of the panels on which the pressure of the normal stage is integrated or interpolated
@@ -47,26 +47,27 @@ class Problem:
     @property
     def tau(self):
         """O is tau times the Hilbert transform of R."""
-        return 2 / np.pi * np.cos(self.k * np.pi / 2) / np.sinc(self.k / 2)
+        return hilbert_ratio(self.k)
 
 
 class NormalStage:
     """Frictionless contact under P alone, in the units of ``Problem``: the state from which Q starts.
 
-    contact: edges; breaks: where tractions are not smooth; Q, delta_x, delta_y: load and displacements.
+    contact: edges; breaks: where tractions are not smooth, nowhere; Q, delta_x, delta_y: load and displacements.
+
+    Raises ContactNotConverged for a profile that is no even power.
     """
 
     contact = (-1.0, 1.0)
+    breaks = np.empty(0)
     Q = delta_x = 0.0
 
     def __init__(self, solid, profile, P):
         self.solid, self.P = solid, P
-        self.smooth = getattr(profile, "m", None) == 2 or _is_even(getattr(profile, "m", 1.0))
+        if not _is_even(getattr(profile, "m", 1.0)):
+            raise ContactNotConverged("the profile is no polynomial: its power has to be even")
         self._closed = _normal_contact(solid, profile, P)
         self.a = self._closed.a
-        flat = getattr(profile, "flat", 0.0) / self.a
-        corners = [] if self.smooth else [-flat, flat] if flat else [0.0]
-        self.breaks = np.array(corners)
         self._cylinder = isinstance(self._closed, CylinderContact)
 
     def problem(self, profile, mu, coupling, order):
@@ -74,8 +75,6 @@ class NormalStage:
         solid, a = self.solid, self.a
         unit = self.P * (solid.y0 / a) ** solid.k / solid.E0
         d = PowerLawKernel(solid).d if coupling else 0.0
-        if not self.smooth:
-            raise ContactNotConverged("the profile is no polynomial: its power has to be even")
         slope = profile.A * profile.m * a**profile.m / unit
 
         return Problem(
@@ -91,14 +90,11 @@ class NormalStage:
         )
 
     @cached_property
-    def _sampled(self):
-        """Panels over 0 < x < 1 and the pressure at their nodes, without its root at the edge."""
-        points = np.unique(np.abs([0.0, *self.breaks, 1.0]))
-        low = points[:-1]
-        pieces = [graded(a, b, LEVELS * (not self.smooth), LEVELS, RATIO) for a, b in zip(low, points[1:], strict=True)]
-        panels = Panels.between(np.unique(np.concatenate(pieces)))
+    def _smooth(self):
+        """The pressure over 0 < x < 1, without its root at the edge."""
+        panels = Panels.between(graded(0.0, 1.0, 0, LEVELS, RATIO))
         x = panels.nodes
-        return panels, self._closed.pressure(self.a * x) * self.a / self.P / self._root(x)
+        return Interpolated(panels, (self._closed.pressure(self.a * x) * self.a / self.P / self._root(x))[None])
 
     def _root(self, x):
         return np.maximum((1 - x) * (1 + x), 0.0) ** ((1 + self.solid.k) / 2)
@@ -108,35 +104,21 @@ class NormalStage:
         if self._cylinder:
             p = self._closed.pressure(self.a * x) * self.a / self.P
         else:
-            panels, values = self._sampled
             r = np.minimum(np.abs(x), 1.0)
-            j = np.clip(np.searchsorted(panels.low, r, side="right") - 1, 0, len(panels.low) - 1)
-            at = (r - panels.middle[j]) / panels.half[j]
-            p = _interpolated(at, values.reshape(-1, len(GAUSS))[j]) * self._root(r)
+            p = self._smooth(r)[0] * self._root(r)
         return np.stack([p, np.zeros_like(p)])
-
-    def limit_between(self, friction, low, high, x):
-        """Panels between two points, and friction p - q at their nodes."""
-        points = np.array([low, *self.breaks[(self.breaks > low) & (self.breaks < high)], high])
-        panels = Panels.between(points)
-        return panels, friction * self.tractions(panels.nodes)[0]
 
     @cached_property
     def delta_y(self):
         """Displacement of the profile's tip."""
-        points = np.array([-1.0, *self.breaks, 1.0])
-        if 0.0 not in points:
-            points = np.sort(np.append(points, 0.0))
-        pieces = [graded(a, b, LEVELS, LEVELS, RATIO) for a, b in zip(points, points[1:], strict=False)]
-        panels = Panels.between(np.unique(np.concatenate(pieces)))
+        panels, p = self._sources
         kernel = panels.matrices(np.zeros(1), self.solid.k)[0]
-        return float(self.solid.bk * (kernel @ self.tractions(panels.nodes)[0])[0])
+        return float(self.solid.bk * (kernel @ p)[0])
 
     @cached_property
     def _sources(self):
-        points = np.array([-1.0, *self.breaks, 1.0])
-        pieces = [graded(a, b, LEVELS, LEVELS, RATIO) for a, b in zip(points, points[1:], strict=False)]
-        panels = Panels.between(np.unique(np.concatenate(pieces)))
+        """Panels over the contact, and the pressure at their nodes."""
+        panels = Panels.between(graded(*self.contact, LEVELS, LEVELS, RATIO))
         return panels, self.tractions(panels.nodes)[0]
 
     def displacements(self, problem, x):
@@ -168,19 +150,7 @@ def _normal_contact(solid, profile, P):
     """Closed form of the frictionless contact."""
     if getattr(profile, "m", None) == 2:
         return CylinderContact(solid, 1 / (2 * profile.A), P)
-    a_max = max(getattr(profile, "flat", 0.0), 1e-9) * 2
+    a_max = 1e-9
     while ProfileContact(solid, profile, a_max).P < P:
         a_max *= 2
     return ProfileContact.from_load(solid, profile, P, a_max)
-
-
-def _interpolated(t, values):
-    """Polynomials with the given values (n, nodes) at the Gauss nodes of (-1, 1), at t."""
-    difference = t[:, None] - GAUSS
-    exact = difference == 0
-    w = _BARYCENTRIC / np.where(exact, 1.0, difference)
-    w = np.where(exact.any(axis=1, keepdims=True), exact, w)
-    return (w * values).sum(axis=1) / w.sum(axis=1)
-
-
-_BARYCENTRIC = np.array([1 / np.prod(x - np.delete(GAUSS, i)) for i, x in enumerate(GAUSS)])

@@ -1,14 +1,15 @@
-"""Quadrature over a contact of functions with the powers of its edges in them."""
+"""Quadrature over a contact of functions with the powers of its edges in them, or with weak singularities."""
 
 from functools import lru_cache
 
 import numpy as np
 from scipy.special import roots_sh_jacobi
 
-from .panels import Panels
+from .panels import Panels, gauss
 
 RATIO = 0.35  # of panels towards an edge, as far as points of stick are
 END, END_NODES = 0.5, 12  # piece at an edge that has Gauss-Jacobi rules, over the width of slip, and nodes of each
+SMOOTH_NODES = 24  # of ``smooth_rule`` between two breaks
 
 
 class ContactRule:
@@ -52,6 +53,15 @@ class ContactRule:
         n, z = self._n, x[:, None]
         left, right = (z - self.x[:n]) ** -k, -((self.x[-n:] - z) ** -k)
         return np.hstack([left, self._panels.matrices(x, k)[1], right])
+
+
+def smooth_rule(low, high, breaks):
+    """Nodes and weights between low and high for functions with weak singularities at the ``breaks``."""
+    g, w = gauss(SMOOTH_NODES)
+    t = (1 + g) / 2
+    points = np.unique([low, *[x for x in breaks if low < x < high], high])
+    a, length = points[:-1, None], np.diff(points)[:, None]
+    return (a + length * t**3 * (10 - 15 * t + 6 * t**2)).ravel(), (length * w / 2 * 30 * t**2 * (1 - t) ** 2).ravel()
 
 
 def _offsets(end):

@@ -5,7 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
-from .branch import smooth_rule
+from .rule import smooth_rule
 
 
 @dataclass(frozen=True)

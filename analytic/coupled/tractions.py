@@ -105,15 +105,18 @@ class SlipState:
         return np.stack([p, self.friction * p - r])
 
     @cached_property
+    def _panels(self):
+        """They shrink towards the edges of contact too."""
+        return shrinking([self.contact[0], *self.breaks, self.contact[1]], self.problem.k)
+
+    @cached_property
     def _sampled(self):
-        """Panels that shrink towards the edges of contact too, and p and q at their nodes, shape (2, panels, NODES)."""
-        points = [self.contact[0], *self.breaks, self.contact[1]]
-        panels = shrinking(points, self.problem.k)
-        return panels, self.tractions(panels.nodes).reshape(2, -1, NODES)
+        """p and q at the nodes of ``_panels``, shape (2, panels, NODES)."""
+        return self.tractions(self._panels.nodes).reshape(2, -1, NODES)
 
     def limit_between(self, friction, low, high, x):
         """Panels between two points, and friction p - q at their nodes, for integrals with kernels that end at x."""
-        sampled, values = self._sampled
+        sampled, values = self._panels, self._sampled
         first, last = np.searchsorted(sampled.low, low, side="right"), np.searchsorted(sampled.low, high)
         panels = Panels.between(np.array([low, *sampled.low[first:last], high]))
         p, q = values[:, first - 1 : last].copy()
@@ -124,7 +127,7 @@ class SlipState:
     @cached_property
     def _sources(self):
         """Panels over the contact that shrink towards its edges too, with p and q at their nodes."""
-        edges, from_left, from_right = self.area.nodes(self.stick)
+        edges = self.area.panels(self.stick)
         points = np.concatenate([edges.low, edges.high[-1:], self.table.panels.low])
         panels = Panels.between(np.unique(points))
         return panels, *self.tractions(panels.nodes)
@@ -143,9 +146,7 @@ class SlipState:
 
     @cached_property
     def _moved(self):
-        points = np.array([self.contact[0], *self.breaks, self.contact[1]])
-        panels = shrinking(points, self.problem.k)
-        return Interpolated(panels, self._integrals(panels.nodes)[:1])
+        return Interpolated(self._panels, self._integrals(self._panels.nodes)[:1])
 
     def moved(self, problem, x):
         """u_x at x in the contact, interpolated."""

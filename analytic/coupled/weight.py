@@ -55,8 +55,8 @@ class Contact:
         rest = np.append(rest, [0.0, 0.0])
         return Chebyshev(quotient), rest[0], rest[1]
 
-    def nodes(self, stick):
-        """Panels that are graded towards both edges, and the distances of their nodes from the edges over half."""
+    def panels(self, stick):
+        """Panels that shrink towards both edges, faster from the middle of the zones beside ``stick`` on."""
         c_l, c_r = (c - self.middle for c in stick)
         offsets = []
         for gap in ((c_l + self.half) / self.half, (self.half - c_r) / self.half):
@@ -64,11 +64,8 @@ class Contact:
             while points[-1] > SMALLEST:
                 points.append(points[-1] * (NEAR_RATIO if points[-1] > 0.5 * gap else FAR_RATIO))
             offsets.append(np.array([*points, 0.0])[::-1])
-        left, right = (Panels.between(o) for o in offsets)
         points = np.concatenate([self.x_l + self.half * offsets[0], (self.x_r - self.half * offsets[1])[-2::-1]])
-        from_left = np.concatenate([left.nodes, 2 - right.nodes[::-1]])
-        from_right = np.concatenate([2 - left.nodes, right.nodes[::-1]])
-        return Panels.between(points), from_left, from_right
+        return Panels.between(points)
 
 
 def _factor(problem, friction, left, n):

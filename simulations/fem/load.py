@@ -15,9 +15,9 @@ class Load(NamedTuple):
         """(Q, P): along x and along y, as the directions of forms.contact count them."""
         return self.Q, self.P
 
-    def halfway_to(self, other: "Load") -> "Load":
-        """The mean of both loads."""
-        return Load(*((mine + theirs) / 2 for mine, theirs in zip(self, other)))
+    def towards(self, other: "Load", share: float) -> "Load":
+        """The load after this share of the straight way to another."""
+        return Load(*(mine + share * (theirs - mine) for mine, theirs in zip(self, other)))
 
 
 NO_LOAD = Load(0.0, 0.0)

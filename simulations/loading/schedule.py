@@ -32,7 +32,7 @@ class LoadStep:
     def on_the_way(self, before: Load, share: float) -> Load:
         """Load after this share of the way from the load ``before``."""
         if not self.angle:
-            return Load(*(b + share * (a - b) for b, a in zip(before, self.load)))
+            return before.towards(self.load, share)
         of_before, of_this = np.sin(np.array([1 - share, share]) * self.angle) / np.sin(self.angle)
         strain = of_before * before.strain + of_this * self.load.strain
         return Load(self.P, of_before * before.Q + of_this * self.Q, strain)
@@ -63,7 +63,7 @@ def rocking(P: float, Q_A: float, cycles: int, quarter: int, harmonic: bool = Fa
             i = round(np.interp(z, [0.0, *swing], np.arange(2 * quarter + 1))) - 1
             if i >= 0:
                 down[i] = replace(down[i], state=state)
-        up = [LoadStep(Load(P, -Q_A * (1 - z)), "reloading", "", cycle, 1, angle) for z in swing]
+        up = [LoadStep(Load(P, Q_A * (z - 1)), "reloading", "", cycle, 1, angle) for z in swing]
         up[-1] = replace(up[-1], state="A")
         schedule += down + up
     return schedule
@@ -97,8 +97,7 @@ def visiting(start: Load, points: list[Load], steps: int) -> list[LoadStep]:
             branch = "path"
         direction = int(np.sign(point.Q - start.Q))
         for z in np.arange(1, steps + 1) / steps:
-            load = Load(*(before + z * (after - before) for before, after in zip(start, point)))
-            schedule.append(LoadStep(load, branch, direction=direction))
+            schedule.append(LoadStep(start.towards(point, z), branch, direction=direction))
         schedule[-1] = replace(schedule[-1], state=str(number) if branch == "path" else "")
         start = point
     return schedule

@@ -171,7 +171,7 @@ class LoadStepping:
                 after,
                 branch,
             )
-        middle = before.halfway_to(after)
+        middle = before.towards(after, 0.5)
         cuts = self._advance(before, middle, branch, depth + 1)
         return 1 + cuts + self._advance(middle, after, branch, depth + 1)
 

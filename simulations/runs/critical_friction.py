@@ -67,7 +67,7 @@ def side(scene: Scene) -> str:
 def describe(scene: Scene, critical: CriticalFriction) -> str:
     """On which side of the bounds the scene lies."""
     if not isfinite(critical.upper):
-        return f"mu = {scene.mu:g}, without a bound"
+        return f"mu = {scene.mu:g}: no second rate solution is known for any mu"
     bounds = f"{critical.lower:.3g} and {critical.upper:.3g} of {ELEMENTS} equal half-plane elements"
     if scene.mu <= critical.lower:
         return f"mu = {scene.mu:g} is below the bounds {bounds}: rates of stick and slip are unique"

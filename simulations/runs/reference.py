@@ -10,7 +10,7 @@ import numpy as np
 
 from .coupled_loop import grades, serves
 from .history import Entry, History
-from .mesh_free import MeshFree, NoReference, Tell
+from .mesh_free import FINER, MeshFree, NoReference, Tell, steps_for_one
 from .simulation import Simulation
 from .springs import Springs
 from .step_free import StepFree
@@ -72,7 +72,7 @@ def expected_seconds(simulation: Simulation) -> float:
     if grades(simulation.scene, simulation.effects):  # the edges are the reference's; its error takes as long again
         return seconds
     shares = len(simulation.schedule) / (ROUGH_INCREMENTS if simulation.scene.is_loop else len(simulation.schedule))
-    return ROUGH_TIMES * shares * seconds
+    return ROUGH_TIMES * shares * steps_for_one(simulation) / FINER * seconds
 
 
 def of_same_physics(simulation: Simulation, tell: Tell | None = None) -> Reference:

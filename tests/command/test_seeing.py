@@ -6,11 +6,13 @@ import re
 import subprocess
 import sys
 import warnings
+from types import SimpleNamespace
 
 import pytest
 from running import MPI_ENVIRONMENT, ROOT, coarse_arguments, run_command
 
 from simulations.command import command, progress
+from simulations.runs.reference import expected_seconds
 
 
 @pytest.fixture(scope="module")
@@ -30,6 +32,24 @@ def test_a_line_an_increment_with_the_time_left(plain):
 @pytest.mark.parametrize("seconds, words", [(0.2, "0.2 s"), (99, "99 s"), (150, "2 min"), (5990, "1 h 40 min")])
 def test_durations(seconds, words):
     assert progress.duration(seconds) == words
+
+
+def test_the_time_left_knows_that_the_reference_has_more_load_steps_on_short_paths():
+    """From point to point it makes 8 where a run has one to four, and the rough edges as many as the run."""
+
+    def expected(increments):
+        scene = SimpleNamespace(
+            reference=SimpleNamespace(kind="auto"),
+            is_loop=False,
+            is_path=True,
+            solver=SimpleNamespace(increments=increments),
+        )
+        watch = SimpleNamespace(seconds={"edges": 0.1 * increments})
+        effects = SimpleNamespace(has_closed_form=False)
+        schedule = [None] * 3 * increments
+        return expected_seconds(SimpleNamespace(scene=scene, effects=effects, schedule=schedule, watch=watch))
+
+    assert expected(1) == pytest.approx(expected(4)) == pytest.approx(expected(8) / 2)
 
 
 def test_quiet(tmp_path):

@@ -18,6 +18,8 @@ from solving import coarse_simulation
 
 import simulations.sweep as command
 from simulations import SceneError, sweep
+from simulations.runs import checks, comparison
+from simulations.runs.reference import closed_form
 from simulations.scene import DEFAULT_SCENE, parse
 from simulations.studies import sweeping
 from simulations.studies.sweeping import prepared, reusable
@@ -32,6 +34,18 @@ def arguments(folder, vary=VARY, *more):
     """Command line of a coarse sweep."""
     options = [word for one in vary for word in ("--vary", one)]
     return [*options, *(word for one in COARSE_SETS for word in ("--set", one)), "--output", str(folder), *more]
+
+
+def test_errors_of_every_state_are_checked_as_in_a_single_run(monkeypatch):
+    simulation = coarse_simulation().run_to_end()
+    exact = closed_form(simulation)
+    last = comparison.compare(simulation.history, exact)["traction_l2"]
+    largest = comparison.worst(simulation.history, exact)["traction_l2"]
+    assert largest > 2 * last
+    monkeypatch.setitem(checks.ERRORS, "traction_l2", (last + largest) / 2)
+    row = sweeping.numbers(simulation)
+    assert row["checks"] == "not held: error of traction"
+    assert row["error_traction_l2"] == last
 
 
 def run(folder, vary=VARY, *more, ranks=1):
