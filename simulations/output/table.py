@@ -19,6 +19,9 @@ def table(findings: Findings, has_cycle: bool) -> str:
     lines = _rows(findings, names, findings.exact, "error")
     exact = findings.exact
     lines.append(f"reference: {exact.words}" if exact else f"no errors: reference {findings.why_none}")
+    own = {name: exact.own.get(f"{name}_l2", 0.0) for name in FIELDS} if exact else {}
+    if any(own.values()):
+        lines.append("of the worst errors its own: " + ", ".join(f"{name} {size:.1e}" for name, size in own.items()))
     if findings.neglecting:
         lines += ["", *_rows(findings, names, findings.neglecting, "difference")]
         lines.append(f"differences from the {findings.neglecting.words}")

@@ -2,12 +2,14 @@
 
 import csv
 import json
+import re
 
 import numpy as np
 import pytest
 from running import coarse_arguments, run_command
 from solving import coarse_simulation, solved
 
+from simulations.output.table import table
 from simulations.runs import checks, report_data
 from simulations.runs.comparison import worst
 from simulations.runs.energy import EnergyMeter, worst_defect
@@ -115,6 +117,15 @@ def test_what_the_reference_may_have_made_itself_fails_no_check():
     found = checks.check_errors(errors, {"pressure_l2": 0.08})
     assert set(found) == {"error of pressure", "error of a"} and not found["error of a"].holds
     assert found["error of pressure"] == checks.Check(pytest.approx(0.09), 0.1)
+
+
+def test_the_table_tells_what_of_the_errors_is_the_references(loop):
+    found = report_data.find(loop[0])
+    line = r"^of the worst errors its own: pressure (\S+), traction (\S+), slip (\S+)$"
+    told = re.search(line, table(found, True), re.M)
+    assert told
+    for name, size in zip(("pressure", "traction", "slip"), map(float, told.groups()), strict=True):
+        assert size == pytest.approx(found.exact.own[f"{name}_l2"], rel=0.06) and size > 0.0
 
 
 def test_a_reference_that_is_hardly_known_excuses_little():
