@@ -25,9 +25,9 @@ def test_nothing_oscillates_at_the_holl_ratio():
 
 
 @pytest.mark.parametrize("k, nu", [(0.534, -0.19), (-0.5, 0.0), (0.3, 0.3), (0.2, 0.49), (-0.8, 0.3)])
+@mp.workdps(30)
 def test_singular_tractions_move_nothing_in_contact(k, nu):
     """p, q = (A, B) t^-l on t > 0, l complex: u_x = u_y = 0 there; ahead, at t < 0, u_x = i sqrt(alpha) u_y."""
-    mp.mp.dps = 30
     solid = half_plane(k, nu)
     b, g, d = solid.b, solid.g, PowerLawKernel(solid).d
     power = mp.mpc((1 - k) / 2, StuckEdge(solid).oscillation)
