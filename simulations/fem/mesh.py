@@ -15,7 +15,7 @@ from dolfinx.io import gmshio
 from forms.depth_map import DepthMap
 
 SURFACE, FAR, SYMMETRY, BODY = 1, 2, 3, 4  # physical groups
-APART = 2.0  # facets between edges that can both be placed
+APART = 1.4  # facets between edges that can both be placed: nearer ones stretch those between them too much
 STOP_GROWTH = 1.8  # of columns beside a stop: its facets are few
 STRIP = 1.25  # half-width, over that of the contact, of the strip where contact is looked for
 
