@@ -25,7 +25,7 @@ EVERY_CASE = pytest.mark.parametrize(
 
 @pytest.fixture(scope="module", params=["plain", "mixed"])
 def partly_slipping(request):
-    """A simulation in partial slip at Q = +Q_A/2 on the first loading, with its frictionless state, and the load."""
+    """A simulation on the first loading, its frictionless state, that in partial slip at Q = +Q_A/2, and the load."""
     mixed = str(request.param == "mixed").lower()
     simulation = Simulation(MPI.COMM_SELF, parse(DEFAULT_SCENE, coarse_overrides(effects__incompressibility=mixed)))
     states = simulation.run()
@@ -34,7 +34,7 @@ def partly_slipping(request):
     pressed = simulation.body.state.x.array.copy()
     entry = next(states)
     simulation.body.complete()
-    return simulation, pressed, entry.increment.load
+    return simulation, pressed, simulation.body.state.x.array.copy(), entry.increment.load
 
 
 def relative_defect(system, load, rng):
@@ -102,15 +102,15 @@ def test_the_states_are_all_there(partly_slipping, directions):
 
 def perturbed_problem(partly_slipping, directions, theta):
     """A problem on the body whose anchor and friction make some points stick and some slide."""
-    simulation, pressed, _ = partly_slipping
+    simulation, pressed, slipping, _ = partly_slipping
     body, height, mu = simulation.body, simulation.scaled.indenter.height, simulation.scene.load.mu
     nitsche = Nitsche(gamma0=3.0, theta=theta)
+    body.state.x.array[:] = slipping  # other tests have moved it
     problem = ContactProblem(body, height, nitsche, directions, mu)
     if directions == HELD_PRESSURE:
-        now = body.state.x.array.copy()
         body.state.x.array[:] = pressed
         problem.hold_pressure(ContactProblem(body, height, nitsche, FRICTIONLESS))
-        body.state.x.array[:] = now
+        body.state.x.array[:] = slipping
     if problem.friction:
         problem.memory.release()
         anchor, at_rest = problem.memory.save()
