@@ -1,5 +1,7 @@
 """States between two turns of the tangential load."""
 
+from functools import cached_property
+
 import numpy as np
 from scipy.optimize import brentq
 
@@ -26,8 +28,8 @@ class Branch:
     """States while Q moves from the turn ``base`` in one direction, +1 or -1, up to the distance ``span``.
 
     guess: variables of the edges (see ``guess``) as a function of the distance from the turn; like: this branch with
-    another order of the basis. loads: distances from the turn at which states are known; parts: those where a stick
-    edge passes a place where it turned before, between which delta_x is smooth; nodes: loads asked for in each part.
+    another order of the basis. loads: distances from the turn at which states are known; first: the least of them that
+    the energy needs.
     """
 
     def __init__(self, problem, base, direction, span, guess, like=None):
@@ -36,16 +38,24 @@ class Branch:
         self._solver = EdgeSolver(problem, base, direction * problem.mu)
         self._guess = like.guessed if like else guess
         self.loads, self._known = np.empty(0), []
-        count = problem.order + EXTRA
-        first = min(COARSER * like.loads[0], FIRST_BORNE * span) if like else FIRST * span
-        self._solve_at(self._spread(FIRST_BORNE * span, span, SPARSE))
-        self._reach(first)
-        crossings = self._crossings()
-        self.parts = np.array([0.0, *crossings, span])
-        lows, counts = [self.loads[0], *crossings], [count, *[LATER] * len(crossings)]
-        self.nodes = [self._spread(*part) for part in zip(lows, self.parts[1:], counts, strict=True)]
-        for loads in self.nodes:
-            self._solve_at(loads)
+        self.solve_at(self._spread(FIRST_BORNE * span, span, SPARSE))
+        self._reach(min(COARSER * like.first, FIRST_BORNE * span) if like else FIRST * span)
+        self.first = self.loads[0]
+
+    @cached_property
+    def parts(self):
+        """Loads where a stick edge passes a place where it turned before, between which delta_x is smooth; 0, span."""
+        return np.array([0.0, *self._crossings(), self.span])
+
+    @cached_property
+    def nodes(self):
+        """Loads in each of the ``parts`` that the energy needs; they are solved."""
+        lows, count = [self.first, *self.parts[1:-1]], self.problem.order + EXTRA
+        counts = [count, *[LATER] * (len(lows) - 1)]
+        nodes = [self._spread(*part) for part in zip(lows, self.parts[1:], counts, strict=True)]
+        for loads in nodes:
+            self.solve_at(loads)
+        return nodes
 
     def variable(self, load):
         """(1 - c/a)^(1/POWER) as it is without coupling, (48): in it delta_x is smooth up to full slip."""
@@ -59,7 +69,7 @@ class Branch:
         loads[[0, -1]] = low, high
         return loads
 
-    def _solve_at(self, loads):
+    def solve_at(self, loads):
         """Adds the states at ``loads``, one after the other from the middle up, and then down.
 
         Just after the turn points may come into contact in stick; loads without a solution there are left out.
@@ -156,6 +166,22 @@ class Branch:
             raise ContactNotConverged(f"Q = {state.Q:g} P: the pressure is negative, its integral {tension:.1e} P")
         if (over := weight @ np.maximum(np.abs(q) - self.problem.mu * p, 0)) > CONDITIONS:
             raise ContactNotConverged(f"Q = {state.Q:g} P: q exceeds its limit where it sticks, by {over:.1e} P in all")
+        for x, _, moved in self.moved(state):
+            touching = (x > x_l) & (x < x_r)
+            if (back := (moved[0] * self.direction)[touching].max()) > CONDITIONS:
+                raise ContactNotConverged(f"Q = {state.Q:g} P: a point slips backwards, by {back:.1e}")
+
+    def moved(self, state):
+        """Beside the stick zone of a state, left and right: points x, their weights, and u_x - delta_x and
+        u_y - delta_y there since the turn, (2, n)."""
+        base, problem = self.base, self.problem
+        sides = (
+            (min(base.contact[0], state.contact[0]), state.stick[0]),
+            (state.stick[1], max(base.contact[1], state.contact[1])),
+        )
+        for low, high in sides:
+            x, weight = smooth_rule(low, high, [*base.breaks, *base.contact, *state.contact])
+            yield x, weight, state.displacements(problem, x) - base.displacements(problem, x)
 
     def _crossings(self):
         """Loads at which an edge of stick passes a place where it turned before."""
@@ -180,6 +206,6 @@ class Branch:
             load = brentq(distance, low, high)
             if min(load - low, high - load) < SHORTEST * self.span:
                 break
-            self._solve_at(np.array([load]))
+            self.solve_at(np.array([load]))
             low, high = (low, load) if distance(low) * distance(load) < 0 else (load, high)
         return load

@@ -35,6 +35,12 @@ def edge_exponent(k, bk, d, friction):
     return k / 2 + atan2(1.0, friction * coupling_ratio(k, bk, d)) / pi
 
 
+def edge_exponents(k, bk, d, friction):
+    """Exponents with which p ends at x_l, friction p - q at c_l and c_r, and p at x_r; q = friction p in slip."""
+    minus, plus = (edge_exponent(k, bk, d, sign * friction) for sign in (-1, 1))
+    return minus, plus, minus, plus
+
+
 def hilbert_factors(k, bk, d, friction):
     """Factors of r = friction p - q and of its Hilbert transform H r in p where no edge of contact is near.
 

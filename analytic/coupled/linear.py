@@ -36,7 +36,7 @@ def solve(problem, base, friction, edges, layout, Q) -> Solution:
     k, d, f = problem.k, problem.d, friction
     x_l, c_l, c_r, x_r = edges
     contact = Contact(problem, f, x_l, x_r)
-    stick = StickBasis(c_l, c_r, layout, problem.exponents(f)[2:], problem.order, k)
+    stick = StickBasis(c_l, c_r, layout, problem.exponents(f)[1:3], problem.order, k)
     x, n = stick.points, stick.size
     alpha, beta = hilbert_factors(k, problem.bk, d, f)
     chi = d * (1 + f**2 * problem.gk / problem.bk)

@@ -58,28 +58,28 @@ class CoupledLoop:
     def _pressed(self, P):
         normal = NormalStage(self.solid, self.profile, P)
         problem = normal.problem(self.profile, self.mu, self.coupling, self.order)
-        return CoupledState(Units.of(normal), problem, normal, normal, 0.0)
+        return CoupledState(Units.of(normal), problem, normal, normal)
 
     def _tangential(self, loads, alike):
         """States at the loads Q/P; alike: branches of a loop at the same loads, or none."""
         normal = NormalStage(self.solid, self.profile, self.P)
         problem = normal.problem(self.profile, self.mu, self.coupling, self.order)
-        units, base, energy = Units.of(normal), normal, 0.0
+        units, base, turn = Units.of(normal), normal, None
         branches: list[Branch] = []
         states: list[CoupledState] = []
         for number, (direction, Qs) in enumerate(branches_of(loads)):
             span = abs(Qs[-1] - base.Q)
             try:
                 branch = Branch(problem, base, direction, span, self._guess(branches), alike[number] if alike else None)
+                branch.solve_at(np.unique(np.abs(np.subtract(Qs, base.Q))))
                 reached = [branch.state(Q) for Q in Qs]
-                friction = FrictionalWork(branch)
-                works = [friction.at(state) for state in reached]
             except ContactNotConverged as failure:
                 raise ContactNotConverged(f"P = {self.P:g}, Q up to {Qs[-1] * self.P:g}: {failure}") from None
-            for state, work in zip(reached, works, strict=True):
+            friction = FrictionalWork(branch)
+            for state in reached:
                 branch.check(state)
-                states.append(CoupledState(units, problem, normal, state, energy + work, branch))
-            base, energy = reached[-1], energy + works[-1]
+                states.append(CoupledState(units, problem, normal, state, branch, friction, turn))
+            base, turn = reached[-1], states[-1]
             branches.append(branch)
         return states
 

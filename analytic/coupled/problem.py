@@ -10,7 +10,7 @@ from ..cylinder import CylinderContact
 from ..half_plane.linear import ContactNotConverged
 from ..half_plane.surface_kernel import PowerLawKernel
 from ..normal import ProfileContact
-from .exponents import edge_exponent, hilbert_ratio
+from .exponents import edge_exponents, hilbert_ratio
 from .panels import Panels, even_kernel, graded
 from .tractions import Interpolated
 
@@ -40,9 +40,8 @@ class Problem:
         return self.gk * even_q + self.d * odd_p, self.bk * even_p - self.d * odd_q
 
     def exponents(self, friction):
-        """Exponents with which p ends at x_l and x_r, and friction p - q at c_l and c_r; q = friction p in slip."""
-        minus, plus = (edge_exponent(self.k, self.bk, self.d, s * friction) for s in (-1, 1))
-        return minus, plus, plus, minus
+        """``edge_exponents``."""
+        return edge_exponents(self.k, self.bk, self.d, friction)
 
     @property
     def tau(self):

@@ -41,18 +41,18 @@ class CoupledState:
     x: nodes [length], gathered at the edges and where the tractions are not smooth; weight, weight_q: their quadrature
     weights [length]; pressure, traction [stress]; slip: u_x - delta_x since the end of the normal stage [length];
     gap [length]; contact, stick: left and right edge [length]; stick_zones: shape (1, 2);
-    dissipated_energy: frictional work since first contact [stress x length²]; delta_x, delta_y: displacements of the
-    indenter [length], for k <= 0 up to a constant times the loads; branch: ``Branch`` of the state, None before Q acts;
-    iterations: linear solves of that branch.
+    delta_x, delta_y: displacements of the indenter [length], for k <= 0 up to a constant times the loads; branch:
+    ``Branch`` of the state, None before Q acts; iterations: linear solves of that branch.
     """
 
-    def __init__(self, units, problem, normal, state, energy, branch=None):
+    def __init__(self, units, problem, normal, state, branch=None, friction=None, turn=None):
+        """friction: ``FrictionalWork`` of the branch; turn: the state in which it began, None for that without Q."""
         self._units, self._problem, self._normal, self._state = units, problem, normal, state
+        self._friction, self._turn = friction, turn
         self.P, self.Q = units.load, units.load * state.Q
         self.contact = _times(units.length, state.contact)
         self.stick = _times(units.length, getattr(state, "stick", (np.nan, np.nan)))
         self.stick_zones = np.array([self.stick]) if np.isfinite(self.stick[0]) else np.empty((0, 2))
-        self.dissipated_energy = energy * units.load * units.displacement
         self.delta_x = units.displacement * state.delta_x + units.shift_x * state.Q
         self.delta_y = units.displacement * state.delta_y + units.shift_y
         self.branch, self.iterations = branch, branch.solves if branch else 0
@@ -62,6 +62,14 @@ class CoupledState:
         self.x, self.weight, self.gap = units.length * x, units.length * weight, np.zeros(len(x))
         self.weight_q = self.weight
         self.pressure, self.traction = units.stress * state.tractions(x)
+
+    @cached_property
+    def dissipated_energy(self):
+        """Frictional work since first contact [stress x length²]. It needs more states; ContactNotConverged."""
+        if self._friction is None:
+            return 0.0
+        before = self._turn.dissipated_energy if self._turn else 0.0
+        return before + self._friction.at(self._state) * self._units.load * self._units.displacement
 
     @cached_property
     def slip(self):

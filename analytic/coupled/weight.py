@@ -24,7 +24,7 @@ class Contact:
     def __init__(self, problem, friction, x_l, x_r):
         self.problem, self.x_l, self.x_r = problem, x_l, x_r
         self.middle, self.half = (x_l + x_r) / 2, (x_r - x_l) / 2
-        self.left, self.right = problem.exponents(friction)[:2]
+        self.left, *_, self.right = problem.exponents(friction)
         self.friction = friction
 
     def local(self, x):

@@ -5,11 +5,9 @@ from functools import cached_property
 import numpy as np
 from numpy.polynomial import Chebyshev
 
-from ..half_plane.linear import ContactNotConverged
-from .branch import CONDITIONS, Branch
+from .branch import Branch
 from .full_stick import stick_compliance
 from .panels import gauss
-from .rule import smooth_rule
 
 BEYOND = 0.3  # logarithm of the load over which the motion is continued to the turn
 LOAD_NODES = 24  # of the integral over the loads
@@ -43,10 +41,10 @@ class FrictionalWork:
         for low, high, function in zip(branch.parts, branch.parts[1:], self._softening, strict=False):
             high = min(high, load)
             if low == 0:  # up to the first known state as a parabola over the logarithm of the load
-                low = min(branch.loads[0], load)
+                low = min(branch.first, load)
                 u = np.array([0.0, BEYOND / 2, BEYOND])
-                parabola = np.polyfit(u, function(branch.variable(branch.loads[0] * np.exp(u))), 2)
-                u = np.log(low / branch.loads[0])
+                parabola = np.polyfit(u, function(branch.variable(branch.first * np.exp(u))), 2)
+                u = np.log(low / branch.first)
                 total += low**3 / 3 * (parabola @ [u**2 - 2 * u / 3 + 2 / 9, u - 1 / 3, 1])
             if high > low:
                 t = low + (high - low) * (1 + g) / 2
@@ -59,19 +57,10 @@ class FrictionalWork:
         Work of Q, less that stored: half of (tractions at the turn + tractions now) times the displacements since then.
         Where the contact sticks these are the indenter's; elsewhere slip and gap are left.
         """
-        problem, base, direction = self._branch.problem, self._branch.base, self._branch.direction
+        base = self._branch.base
         Q = state.Q - base.Q
         work = Q * (state.delta_x - base.delta_x) / 2 - self._motion_integral(abs(Q))
-        sides = (
-            (min(base.contact[0], state.contact[0]), state.stick[0]),
-            (state.stick[1], max(base.contact[1], state.contact[1])),
-        )
-        for low, high in sides:
-            x, weight = smooth_rule(low, high, [*base.breaks, *base.contact, *state.contact])
-            moved = state.displacements(problem, x) - base.displacements(problem, x)
-            touching = (x > state.contact[0]) & (x < state.contact[1])
-            if (back := (moved[0] * direction)[touching].max()) > CONDITIONS:
-                raise ContactNotConverged(f"Q = {state.Q:g} P: a point slips backwards, by {back:.1e}")
+        for x, weight, moved in self._branch.moved(state):
             p, q = state.tractions(x) + base.tractions(x)
             work -= weight @ (q * moved[0] + p * moved[1]) / 2
         return float(work)

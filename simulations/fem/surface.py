@@ -92,31 +92,33 @@ class SurfaceSampler:
         return np.concatenate([parity * values[:0:-1], values]) if self.body.is_half else values
 
 
-def fitted_contact_edges(state: SurfaceState, k: float) -> tuple[float, float]:
-    """Left and right edge of the contact, where the pressure ends like distance^((1+k)/2), (44)."""
-    return _edges(state.x, state.pressure, k)
+def fitted_contact_edges(state: SurfaceState, exponents: tuple[float, float]) -> tuple[float, float]:
+    """Left and right edge of the contact, where the pressure ends like a power of the distance: (1+k)/2 in (44)."""
+    return _edges(state.x, state.pressure, exponents)
 
 
-def fitted_stick_edges(state: SurfaceState, mu: float, direction: int, k: float) -> tuple[float, float]:
+def fitted_stick_edges(
+    state: SurfaceState, mu: float, direction: int, exponents: tuple[float, float]
+) -> tuple[float, float]:
     """Left and right edge of the stick zone while the load moves in ``direction`` (+1, -1; 0: neither).
 
-    The traction's distance from the limit it slides at, mu p - direction q, ends there like distance^((1+k)/2), (47).
-    Both are nan when every point slips.
+    The traction's distance from the limit it slides at, mu p - direction q, ends there like a power of the distance:
+    (1+k)/2 in (47). Both are nan when every point slips.
     """
     limit = mu * state.pressure
     margin = limit - (direction * state.traction if direction else np.abs(state.traction))
-    return _edges(state.x, np.where(margin > ROUND_OFF * limit.max(), margin, 0.0), k)
+    return _edges(state.x, np.where(margin > ROUND_OFF * limit.max(), margin, 0.0), exponents)
 
 
-def _edges(x, values, k):
+def _edges(x, values, exponents):
     first, last = _longest_run(values > 0)
     if last - first < 4:
         return np.nan, np.nan
-    transformed = values[first:last] ** (2.0 / (1.0 + k))
+    left, right = (values[first:last] ** (1.0 / exponent) for exponent in exponents)
     # where the fit leads away (a traction that runs along its limit) the nodes know better
-    right = np.clip(_zero(x[first:last], transformed), x[last - 2], x[min(last + 1, len(x) - 1)])
-    left = np.clip(-_zero(-x[first:last][::-1], transformed[::-1]), x[max(first - 2, 0)], x[first + 1])
-    return float(left), float(right)
+    end = np.clip(_zero(x[first:last], right), x[last - 2], x[min(last + 1, len(x) - 1)])
+    begin = np.clip(-_zero(-x[first:last][::-1], left[::-1]), x[max(first - 2, 0)], x[first + 1])
+    return float(begin), float(end)
 
 
 def _zero(x, values):

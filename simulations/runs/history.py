@@ -1,5 +1,6 @@
 """The record of a run: one entry an increment, with everything that files, plots and errors are made from."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -58,21 +59,25 @@ class History:
     """Entries of a run so far. k and mu are the grading and the coefficient of friction (0: no tangential problem).
 
     m: of an indenter |x|^m whose contact grows similar to itself while it is pressed on with friction; None where it
-    does not.
+    does not. exponents: of tractions at x_l, c_l, c_r and x_r, a function of friction where slip has q = friction p;
+    None: (1+k)/2, as without coupling.
     """
 
     k: float
     mu: float
     m: float | None = None
+    exponents: Callable[[float], tuple[float, ...]] | None = None
     entries: list[Entry] = field(default_factory=list)
 
     def append(self, outcome: Outcome, surface: SurfaceState, seconds: float) -> Entry:
         """Add the state that ``outcome`` ended with."""
         increment, s = outcome.step, surface.relative_displacement
-        contact = fitted_contact_edges(surface, self.k)
+        friction = increment.direction * self.mu
+        x_l, c_l, c_r, x_r = self.exponents(friction) if self.exponents else 4 * ((1 + self.k) / 2,)
+        contact = fitted_contact_edges(surface, (x_l, x_r))
         stick, work = contact, np.zeros_like(s)
         if self.friction and np.any(surface.traction):
-            stick = fitted_stick_edges(surface, self.mu, increment.direction, self.k)
+            stick = fitted_stick_edges(surface, self.mu, increment.direction, (c_l, c_r))
         if self.friction:
             work = self._work(increment, Moment(surface, contact))
         if increment.branch == "normal":

@@ -2,9 +2,10 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, partial
 
-from analytic import GradedHalfPlane, PowerProfile, PressingWithFriction, point_force_displacement
+from analytic import GradedHalfPlane, PowerLawKernel, PowerProfile, PressingWithFriction, point_force_displacement
+from analytic.coupled.exponents import edge_exponents
 
 from ..fem.body import ElasticBody, X, Y
 from ..fem.contact_problem import ContactProblem, Nitsche
@@ -100,7 +101,7 @@ class Simulation(Meshed):
         self.body.delta.value[Y] = indenter.height(1.0)  # overlap on |x| < a: where Newton starts
         self.sampler = SurfaceSampler(self.body, normal, scene.friction and "coupling" not in self.effects)
         self.resumed = 0  # times
-        self.history = History(scene.k, self.mu, indenter.order if pressing else None)
+        self.history = History(scene.k, self.mu, indenter.order if pressing else None, self._exponents())
 
     def _ordinates(self):
         """Columns and layers of the mesh."""
@@ -178,6 +179,13 @@ class Simulation(Meshed):
         if not alike or not isinstance(profile, PowerProfile) or on.without_reference:
             return None
         return PressingWithFriction(self.scaled.solid, profile, self.mu, 1.0, STUCK_TERMS)
+
+    def _exponents(self):
+        """Of tractions at edges where coupling changes them, see ``History``."""
+        if "coupling" not in self.effects or not self.scene.is_power_law:
+            return None
+        solid = self.scaled.solid
+        return partial(edge_exponents, solid.k, solid.bk, PowerLawKernel(solid).d)
 
     def _far_field(self):
         """Displacement of line loads: far away a coating is not seen."""

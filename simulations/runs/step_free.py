@@ -27,6 +27,7 @@ class StepFree:
         loop, loads = loop_of(scaled, simulation.mu, coupled, order), tuple((s.P, s.Q) for s in self._schedule)
         try:
             self._states = loop.run(loads, like) if like else states_of(loop, loads)
+            self._energy = last_cycle(self._states, self._schedule)
         except (ContactNotConverged, ValueError, ArithmeticError) as failure:
             raise NoReference(str(failure)) from None
         self.coarser = self._other(simulation, order) if estimated else None
@@ -54,11 +55,15 @@ class StepFree:
         """Edges of the contact."""
         return self._states[entry.number].contact
 
+    def stick(self, entry: Entry) -> tuple[float, float]:
+        """Edges of the zone that has stuck since the last turn."""
+        return self._states[entry.number].stick
+
     def stick_half_width(self, entry: Entry) -> float:
-        """Half the length of the zone that has stuck since the last turn."""
-        left, right = self._states[entry.number].stick
+        """Half its length."""
+        left, right = self.stick(entry)
         return (right - left) / 2
 
     def dissipated_energy(self) -> float:
         """Of the last full cycle, where there is none since first contact."""
-        return last_cycle(self._states, self._schedule)
+        return self._energy

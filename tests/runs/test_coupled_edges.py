@@ -2,12 +2,16 @@
 
 import numpy as np
 import pytest
+from mpi4py import MPI
 
 from simulations.fem.mesh import Grading, columns
+from simulations.fem.surface import fitted_contact_edges, fitted_stick_edges
 from simulations.runs import coupled_loop
 from simulations.runs.coupled_loop import grades, loop_of, states_of
 from simulations.runs.expected_edges import Stop, stops_at
 from simulations.runs.plan import Plan
+from simulations.runs.simulation import Simulation
+from simulations.runs.step_free import StepFree
 from simulations.runs.timing import Stopwatch
 from simulations.scene import DEFAULT_SCENE, parse
 
@@ -45,6 +49,23 @@ def test_no_solution_leaves_the_rough_edges(monkeypatch):
     assert asked.grading().stops == ()
     coarse = plan("mesh.edge_facet=0.01")
     assert not grades(coarse.scene, coarse.effects)
+
+
+def test_edges_are_read_with_the_powers_that_coupling_gives():
+    """In both directions; with (1+k)/2, the power without coupling, they are ten times as far off."""
+    settings = ("solid.k=0", "solid.nu=0.1", "load.mu=0.6", "load.amplitude=0.6", "mesh.edge_facet=1.9e-3")
+    simulation = Simulation(MPI.COMM_SELF, plan("solver.increments=3", *settings).scene).run_to_end()
+    reference, middle = StepFree(simulation), []
+    for exponents in (simulation.history.exponents, lambda friction: 4 * (0.5,)):
+        off = []
+        for entry in simulation.history.entries[1:-1]:  # the last edge has that of the first turn beside it
+            x_l, c_l, c_r, x_r = exponents(entry.increment.direction * simulation.mu)
+            contact = fitted_contact_edges(entry.surface, (x_l, x_r))
+            stick = fitted_stick_edges(entry.surface, simulation.mu, entry.increment.direction, (c_l, c_r))
+            exact = (*reference.contact(entry), *reference.stick(entry))
+            off.append(np.abs(np.subtract((*contact, *stick), exact)))
+        middle.append(np.median(off))
+    assert 10 * middle[0] < middle[1] and middle[0] < 2e-4
 
 
 def test_facets_beside_many_stops_are_the_least_of_all_their_cones():
