@@ -1,12 +1,12 @@
-"""The error of a run as the run itself can know it: beside the table where there is a closed form, from two meshes
-otherwise.
-"""
+"""What ``solver.accuracy`` promises; and a run's error from two meshes, where no reference is known well enough."""
 
 import numpy as np
 
 from ..scene import Scene, accuracy, make_scene
 from ..scene.effects import Effects
+from ..scene.solid import is_holl_ratio
 from .comparison import compare, worst
+from .coupled_loop import serves
 from .history import Entry, History
 from .simulation import Simulation
 
@@ -57,16 +57,22 @@ class Solved:
 def _choice(scene: Scene) -> accuracy.Choice:
     """The mesh that ``solver.accuracy`` chose."""
     assert scene.solver.accuracy is not None
-    return accuracy.choose(scene.solver.accuracy, scene.k, accuracy.amplitude_of(scene.load))
+    return accuracy.choose(scene.solver.accuracy, *_asked(scene))
+
+
+def _asked(scene: Scene):
+    coupled = scene.effects.coupling and not is_holl_ratio(scene.solid.nu, scene.k)
+    return accuracy.of_load(scene.load, coupled, scene.k)
 
 
 def expectation(scene: Scene) -> str:
     """What ``solver.accuracy`` chose and what is expected of it, in words."""
     choice = _choice(scene)
     sizes = f"facets of {choice.mesh['mesh.facet']:g} a, degree {choice.mesh['mesh.degree']}"
-    if Effects(scene).has_closed_form:
+    effects = Effects(scene)
+    if effects.has_closed_form or (scene.is_loop and serves(scene, effects)):
         return f"accuracy {scene.solver.accuracy:g}: {sizes}; expected error {choice.error:.1e}"
-    return f"accuracy {scene.solver.accuracy:g}: {sizes}; no closed form: the error will be estimated on a second mesh"
+    return f"accuracy {scene.solver.accuracy:g}: {sizes}; measured for simpler scenes: the error is said at the end"
 
 
 def coarser(comm, scene: Scene) -> tuple[Simulation, float]:
@@ -74,7 +80,7 @@ def coarser(comm, scene: Scene) -> tuple[Simulation, float]:
     scene's mesh.
     """
     choice = _choice(scene)
-    levels = accuracy.expected(scene.k, accuracy.amplitude_of(scene.load))
+    levels = accuracy.expected(*_asked(scene))
     other = min(levels, key=lambda level: abs(np.log(level.fineness / (COARSER * choice.fineness))))
     if other.fineness <= choice.fineness:  # already the coarsest: a finer one tells as much
         other = min(levels, key=lambda level: abs(np.log(level.fineness * COARSER / choice.fineness)))

@@ -3,7 +3,8 @@
 
 The family has one parameter, the fineness t: facets under the cylinder are 0.025 t half-widths, all else follows. Its
 errors are the largest of those of p, q and slip (L2 over the contact, of every state of a cycle), and of a, c and the
-energy of the cycle at its end. Without friction those of the end count, which are smaller.
+energy of the cycle at its end. Without friction those of the end count, which are smaller. Coupled loops have lines of
+their own, as their edges turn at more places.
 """
 
 import csv
@@ -21,10 +22,11 @@ MARGIN = 1.5  # loads and gradings between those measured; a and c are read betw
 
 @dataclass(frozen=True)
 class Measured:
-    """One line of the table at grading ``k`` and fineness: the largest error of all states (nan: not measured) and of
-    the last one, and CPU seconds of a loop of 31 increments.
+    """One line of the table, with coupling or without, at grading ``k`` and fineness: the largest error of all states
+    (nan: not measured) and of the last one, and CPU seconds of a loop of 31 increments.
     """
 
+    coupled: bool
     k: float
     fineness: float
     error: float
@@ -62,9 +64,12 @@ def family(fineness: float, k: float) -> dict[str, float]:
     return {"mesh.degree": 3} | steep | {f"mesh.{name}": float(f"{value:.4g}") for name, value in sizes.items()}
 
 
-def amplitude_of(load) -> float | None:
-    """Q_A/(mu P) of a scene's load as the table knows it: 0.9 for paths, None without friction."""
-    return getattr(load, "amplitude", 0.9) if getattr(load, "mu", None) is not None else None
+def of_load(load, coupled: bool, k: float) -> tuple[float, float | None, bool]:
+    """A scene as the table knows it: k, Q_A/(mu P), which is 0.9 for paths and None without friction, and whether it
+    is a loop with coupling.
+    """
+    amplitude = getattr(load, "amplitude", 0.9) if getattr(load, "mu", None) is not None else None
+    return k, amplitude, coupled and hasattr(load, "amplitude")
 
 
 @cache
@@ -72,19 +77,22 @@ def table(path: Path = TABLE) -> tuple[Measured, ...]:
     """The measured lines."""
     with path.open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
-    return tuple(Measured(**{name: float(value or "nan") for name, value in row.items()}) for row in rows)
+    return tuple(
+        Measured(row.pop("coupled") == "1", **{name: float(value or "nan") for name, value in row.items()})
+        for row in rows
+    )
 
 
-def choose(accuracy: float, k: float, amplitude: float | None = 0.9) -> Choice:
+def choose(accuracy: float, k: float, amplitude: float | None = 0.9, coupled: bool = False) -> Choice:
     """The coarsest mesh whose error, with a margin, is ``accuracy``; SceneError with the best there is where none
-    is. amplitude: None without friction.
+    is. amplitude: None without friction; coupled: whether this is a loop with coupling.
     """
-    levels = expected(k, amplitude)
+    levels = expected(k, amplitude, coupled)
     enough = [choice for choice in levels if choice.error <= accuracy]
     if enough:
         return max(enough, key=lambda choice: choice.fineness)
     if not levels:
-        low, high = min(m.k for m in table()), max(m.k for m in table())
+        low, high = (extreme(m.k for m in table() if m.coupled == coupled) for extreme in (min, max))
         reason = f"k = {k:g} lies outside {low:g} ... {high:g}, where errors were measured"
         raise SceneError(f"solver.accuracy = {accuracy:g} is not allowed: {reason}")
     best = min(levels, key=lambda choice: choice.error)
@@ -94,11 +102,12 @@ def choose(accuracy: float, k: float, amplitude: float | None = 0.9) -> Choice:
     )
 
 
-def expected(k: float, amplitude: float | None = 0.9) -> list[Choice]:
+def expected(k: float, amplitude: float | None = 0.9, coupled: bool = False) -> list[Choice]:
     """What every fineness reaches at ``k``, the finest first: the worse of the two gradings measured next to it,
     with the margin.
     """
-    gradings = sorted({m.k for m in table()})
+    measured = [m for m in table() if m.coupled == coupled]
+    gradings = sorted({m.k for m in measured})
     if not gradings or not gradings[0] <= k <= gradings[-1]:
         return []
     below, above = max(g for g in gradings if g <= k), min(g for g in gradings if g >= k)
@@ -109,8 +118,8 @@ def expected(k: float, amplitude: float | None = 0.9) -> list[Choice]:
     column = "last" if amplitude is None else "error"
     choices: list[Choice] = []
     worst = 0.0
-    for t in sorted({m.fineness for m in table()}):
-        lines = [m for m in table() if m.fineness == t and m.k in (below, above) and isfinite(getattr(m, column))]
+    for t in sorted({m.fineness for m in measured}):
+        lines = [m for m in measured if m.fineness == t and m.k in (below, above) and isfinite(getattr(m, column))]
         if {m.k for m in lines} == {below, above}:
             worst = max(worst, *(getattr(m, column) for m in lines))  # a coarser mesh that happens to be better is luck
             mesh = family(t, k)

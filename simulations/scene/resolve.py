@@ -14,7 +14,7 @@ from .fields import allowed, plain
 from .indenter import Shape, shape_of
 from .output import Output
 from .settings import EffectSwitches, Mesh, Reference, Solver, switches
-from .solid import normal_contact
+from .solid import is_holl_ratio, normal_contact
 from .table import KINDS, Table, fields, model_for, unknown
 from .tables import ONE_OF_TWO, TANGENTIAL, AnyIndenter, AnyLoad, AnySolid, Fretting, Indentation, Path
 
@@ -34,7 +34,9 @@ def typed_tables(given: Mapping[str, Any]) -> dict[str, Table]:
     load = _load(raw["load"], effects.friction)
     solver = Solver(**raw["solver"])
     if solver.accuracy is not None:
-        _choose_mesh(raw, solver.accuracy, getattr(solid, "k", 0.0) if effects.grading else 0.0, load)
+        k = getattr(solid, "k", 0.0) if effects.grading else 0.0
+        coupled = effects.coupling and not is_holl_ratio(solid.nu, k)
+        _choose_mesh(raw, accuracy.choose(solver.accuracy, *accuracy.of_load(load, coupled, k)))
     return {
         "solid": _in_metres(solid, indenter, load),
         "indenter": indenter,
@@ -81,9 +83,9 @@ def _load(given: dict[str, Any], friction: bool) -> AnyLoad:
     return path
 
 
-def _choose_mesh(raw: dict[str, dict[str, Any]], wanted: float, k: float, load: AnyLoad):
+def _choose_mesh(raw: dict[str, dict[str, Any]], choice: accuracy.Choice):
     """Put the cell sizes for an accuracy into the tables; SceneError where others are given."""
-    for key, value in accuracy.choose(wanted, k, accuracy.amplitude_of(load)).mesh.items():
+    for key, value in choice.mesh.items():
         table, _, name = key.partition(".")
         given = plain(raw[table].setdefault(name, value))
         if given != value:

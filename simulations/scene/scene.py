@@ -138,7 +138,7 @@ class Scene(BaseModel):
     @property
     def is_decoupled(self) -> bool:
         """True at the Holl ratio, where normal and tangential problem do not see each other."""
-        return self.is_power_law and abs(self.solid.nu * (2.0 + self.k) - 1.0) < 1e-9
+        return self.is_power_law and solids.is_holl_ratio(self.solid.nu, self.k)
 
     @property
     def contact_has_closed_form(self) -> bool:

@@ -14,6 +14,11 @@ from .tables import AnySolid, ExponentialCoating, Homogeneous, PowerLaw, PowerLa
 SMALLEST, LARGEST = 1e-4, 8.0  # distances, over the half-width, between which a kernel is wanted
 
 
+def is_holl_ratio(nu: float, k: float) -> bool:
+    """True where normal and tangential problem of a power law do not see each other."""
+    return abs(nu * (2.0 + k) - 1.0) < 1e-9
+
+
 def normal_contact(solid: GradedHalfPlane, shape: Shape, P: float) -> CylinderContact | ProfileContact:
     """Closed form of the frictionless contact under the line load ``P``, in consistent units."""
     profile = shape.analytic()

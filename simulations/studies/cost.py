@@ -20,14 +20,15 @@ from ..output.files import write_table
 from ..scene import SceneError, accuracy
 from .commandline import make_folders, study_parser
 from .costs import sweeps
-from .costs.cases import Case, cases
+from .costs.cases import COUPLED, Case, cases
 from .engine import Item, Row, run_all
 from .store import Store
 
 MARK = "measured: "  # before the line that a case's own process prints
 FIELDS = (
     "study problem level ranks tolerance unknowns surface_nodes increments iterations wall_s cpu_s factorisation_cpu_s "
-    "memory_gib pressure traction slip a c dissipated_energy largest largest_of_states failure"
+    "memory_gib pressure traction slip a c dissipated_energy largest largest_of_states "
+    "pressure_of_states traction_of_states slip_of_states failure"
 ).split()
 TEXTS = ("study", "problem", "level", "failure")
 
@@ -110,22 +111,22 @@ def read_rows(path: Path) -> list[Row]:
 
 def calibrate(rows: list[dict]):
     """Renew ``accuracy.csv`` from the study of fineness: the worse of the two amplitudes, where both were measured."""
-    found: dict[tuple[float, float], list[dict]] = {}
+    found: dict[tuple[bool, float, float], list[dict]] = {}
     for row in rows:
         if row["study"] in ("fineness", "half load") and not row["failure"]:
-            key = Case("", row["problem"], "").k, float(row["level"])
+            key = row["problem"] in COUPLED, Case("", row["problem"], "").k, float(row["level"])
             found.setdefault(key, []).append(row)
-    lines = {(m.k, m.fineness): (m.error, m.last, m.seconds) for m in accuracy.table()}
+    lines = {(m.coupled, m.k, m.fineness): (m.error, m.last, m.seconds) for m in accuracy.table()}
     for key, two in found.items():
         if len(two) == 2:
             states = max(r.get("largest_of_states") or math.nan for r in two)
             lines[key] = states, max(r["largest"] for r in two), max(r["cpu_s"] for r in two)
     with accuracy.TABLE.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(("k", "fineness", "error", "last", "seconds"))
-        for (k, t), (states, last, seconds) in sorted(lines.items()):
+        writer.writerow(("coupled", "k", "fineness", "error", "last", "seconds"))
+        for (coupled, k, t), (states, last, seconds) in sorted(lines.items()):
             error = "" if math.isnan(states) else f"{states:.2e}"
-            writer.writerow((f"{k:g}", f"{t:g}", error, f"{last:.2e}", f"{seconds:.2f}"))
+            writer.writerow((int(coupled), f"{k:g}", f"{t:g}", error, f"{last:.2e}", f"{seconds:.2f}"))
 
 
 def _number(name: str, text: str):

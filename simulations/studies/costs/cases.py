@@ -24,6 +24,7 @@ PROBLEMS = {"default": LOOP.format(k=0.3, nu='"holl"', coupling="true")} | UNCOU
 TABLE = {
     f"k={k:g}": LOOP.format(k=k, nu=0.3, coupling="false") for k in (-0.25, 0.9)
 }  # for the table of accuracy.py alone
+COUPLED = {f"coupled k={k:g}": LOOP.format(k=k, nu=0.3, coupling="true") for k in (-0.5, -0.25, 0.0, 0.3, 0.7)}
 PEER = LOOP.format(k=0.0, nu=0.495, coupling="true")
 GETFEM = {  # by fineness: growth of its layers, extent, mixed form; the first is to be as cheap as it can
     4.0: (2.0, 20.0, False),
@@ -72,20 +73,22 @@ class Case:
     @property
     def text(self) -> str:
         """Its scene."""
-        return PEER if self.study == "peer" else (PROBLEMS | TABLE)[self.problem]
+        return PEER if self.study == "peer" else (PROBLEMS | TABLE | COUPLED)[self.problem]
 
     @property
     def k(self) -> float:
         """Grading."""
-        return 0.3 if self.problem == "default" else 0.0 if self.study == "peer" else float(self.problem[2:])
+        return 0.3 if self.problem == "default" else 0.0 if self.study == "peer" else float(self.problem.split("=")[1])
 
 
 def cases(with_getfem: bool = True) -> list[Case]:
     """All of them; those that many others are compared with first."""
     found = []
-    for problem in PROBLEMS | TABLE:
+    for problem in PROBLEMS | TABLE | COUPLED:
         k = Case("", problem, "").k
         finest = 0.7 if k < 0 else 0.25 if k < 0.5 else 0.35  # beyond, nothing is gained or nothing is needed
+        if problem in COUPLED:  # edges turn at twice as many places
+            finest = 2.0 if k < 0 else 1.0
         levels = [t for t in FINENESS if t >= finest]
         found += [Case("fineness", problem, f"{t:g}", accuracy.family(t, k)) for t in levels]
         found += [Case("half load", problem, f"{t:g}", accuracy.family(t, k) | {"load.amplitude": 0.5}) for t in levels]

@@ -6,7 +6,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.ticker import NullFormatter
 
-from ...output.style import BLACK, BLUE, GREEN, PURPLE, RED, SKY
+from ...output.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, RED, SKY
 
 COLOURS = {
     "default": BLUE,
@@ -24,6 +24,15 @@ NAMES = {
     "k=0.7": "k = 0.7",
     "peer": "k = 0, ν = 0.495, coupled",
     "GetFEM": "GetFEM, the same loop",
+}
+WITH_COUPLING = {  # colour, marker and name
+    "coupled k=-0.5": (RED, "s", "k = −0.5, ν = 0.3"),
+    "coupled k=-0.25": (PURPLE, "<", "k = −0.25, ν = 0.3"),
+    "coupled k=0": (GREEN, "^", "k = 0, ν = 0.3"),
+    "coupled k=0.3": (BLUE, "o", "k = 0.3, ν = 0.3"),
+    "coupled k=0.7": (ORANGE, "D", "k = 0.7, ν = 0.3"),
+    "peer": (SKY, "v", "k = 0, ν = 0.495"),
+    "GetFEM": (BLACK, "X", "GetFEM, k = 0, ν = 0.495"),
 }
 QUANTITIES = {"pressure": "p", "traction": "q", "slip": "slip", "c": "c", "dissipated_energy": "ΔW"}
 SOURCES = {  # of the error: keys of the settings that each comes from
@@ -45,6 +54,7 @@ def draw(rows: list[dict], folder: Path) -> list[Path]:
         ("rates", rates),
         ("sources", sources),
         ("pareto", pareto),
+        ("coupled", coupled),
     ):
         drawn = figure(rows)
         if drawn is None:
@@ -77,6 +87,28 @@ def work_precision(rows):
     axes[0].set_ylabel("relative error [-]")
     handles, labels = max((axis.get_legend_handles_labels() for axis in axes), key=lambda pair: len(pair[0]))
     figure.legend(handles, labels, loc="outside lower center", ncols=len(labels), frameon=False)
+    return figure
+
+
+def coupled(rows):
+    """Loops with coupling, every state: worst q and the energy of the cycle against seconds, load steps included."""
+    found = [row for row in rows if row["study"] in ("fineness", "peer") and row.get("traction_of_states", "") != ""]
+    lines = {p: _sorted([row for row in found if row["problem"] == p], "cpu_s") for p in WITH_COUPLING}
+    lines = {problem: line for problem, line in lines.items() if line}
+    if not lines:
+        return None
+    figure, axes = plt.subplots(1, 2, figsize=(9, 4.2), sharey=True, layout="constrained")
+    for axis, quantity in zip(axes, ("traction_of_states", "dissipated_energy")):
+        for problem, line in lines.items():
+            colour, marker, label = WITH_COUPLING[problem]
+            points = [(row["cpu_s"], max(row[quantity], FLOOR)) for row in line]
+            axis.loglog(*zip(*points), marker + "-", color=colour, label=label, markersize=5, linewidth=1.2)
+        axis.set(xlabel="CPU time of the whole loop [s]")
+        axis.grid(True, which="major", alpha=0.3)
+    axes[0].set(title="q, worst state of the cycle", ylabel="relative error [-]")
+    axes[1].set(title="energy of the cycle")
+    handles, labels = axes[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=4, fontsize=8, frameon=False)
     return figure
 
 
