@@ -13,6 +13,7 @@ from ..fem.surface import SurfaceState
 
 AT_LIMIT = 1e-6  # a traction this close to mu p, over the largest mu p, slides
 MOVES = 0.02  # of a point's distance from the edge: motions of the edge below do not count
+NEAREST = 0.25  # of the spacing of nodes: what an edge between nodes is known to
 
 
 @dataclass(frozen=True)
@@ -93,13 +94,15 @@ def growth(slip_before, slip) -> np.ndarray:
 def mean_pressure(before: Moment, after: Moment, k: float) -> np.ndarray:
     """Mean over the step of the pressure (n,) at points that stay in contact, of which an edge comes near or leaves.
 
-    p = f(t) d(t)^((1+k)/2) with the distance d from the edge and f linear in t; far from the edge p is linear.
+    p = f(t) d(t)^((1+k)/2) with the distance d from the edge and f linear in t; far from the edge p is linear. No d is
+    taken as less than the edges are known to: f of a node that an edge touches would hang on the edge's last digits.
     """
     x, power = before.surface.x, (1.0 + k) / 2.0
     p0, p1 = before.surface.pressure, after.surface.pressure
     right = x > np.mean(before.contact)
-    d0, d1 = (np.where(right, m.contact[1] - x, x - m.contact[0]) for m in (before, after))
-    near = (np.minimum(d0, d1) > 0) & (np.abs(d1 - d0) > MOVES * np.maximum(d0, d1))
+    distances = (np.where(right, m.contact[1] - x, x - m.contact[0]) for m in (before, after))
+    d0, d1 = (np.maximum(d, NEAREST * np.gradient(x)) for d in distances)
+    near = np.abs(d1 - d0) > MOVES * np.maximum(d0, d1)
     d0, d1 = np.where(near, d0, 1.0), np.where(near, d1, 2.0)
     change = d1 - d0
     f0, f1 = p0 / d0**power, p1 / d1**power
