@@ -16,8 +16,10 @@ from .timing import Stopwatch
 
 # The far field is known less well where a coating is not in it, or where coupling moves the contact aside and with it
 # the line on which P acts (k = -0.5: 8 % of a, which costs 8e-3 in p at 20 a), or where bulk strain moves the traction
-# aside (k = -0.3: 5e-4 in slip and energy): it is prescribed that much further away.
+# aside (k = -0.3: 5e-4 in slip and energy): it is prescribed that much further away. What a line aside adds decays like
+# distance^-(1+k), so that coupled scenes with k < 0 want more (k = -0.5, energy: -3.2e-4 at 100 a, 4e-5 at 500 a).
 FARTHER = 5.0
+STEEPEST = 2.0  # of the exponents 1/(1+k) that FARTHER gets
 ROUGH_QUARTER = 2  # load steps per Q_A of the rough solution that finds edges under bulk strain
 
 
@@ -56,8 +58,9 @@ class Plan:
         scene = self.scene
         if not scene.is_power_law:
             return scene.mesh.extent * FARTHER * max(1.0, self.scaled.modulus.thickness)
-        is_coupled = "coupling" in self.effects and not scene.is_decoupled
-        return scene.mesh.extent * (FARTHER if is_coupled or "bulk strain" in self.effects else 1.0)
+        if "coupling" in self.effects and not scene.is_decoupled:
+            return scene.mesh.extent * FARTHER ** min(max(1.0, 1.0 / (1.0 + scene.k)), STEEPEST)
+        return scene.mesh.extent * (FARTHER if "bulk strain" in self.effects else 1.0)
 
     def grading(self) -> Grading:
         """Cell sizes of the scene, graded to where contact and stick zone are expected to end."""
