@@ -17,9 +17,9 @@ from .timing import Stopwatch
 # The far field is known less well where a coating is not in it, or where coupling moves the contact aside and with it
 # the line on which P acts (k = -0.5: 8 % of a, which costs 8e-3 in p at 20 a), or where bulk strain moves the traction
 # aside (k = -0.3: 5e-4 in slip and energy): it is prescribed that much further away. What a line aside adds decays like
-# distance^-(1+k), so that coupled scenes with k < 0 want more (k = -0.5, energy: -3.2e-4 at 100 a, 4e-5 at 500 a).
+# distance^-(1+k), so that coupled scenes with k < 0 want more (k = -0.5, slip: 5e-4 at 100 a, 2e-4 at 200 a).
 FARTHER = 5.0
-STEEPEST = 2.0  # of the exponents 1/(1+k) that FARTHER gets
+STEEPEST = 1.43  # of the exponents 1/(1+k) that FARTHER gets: beyond 200 a tractions zigzag at k = -0.9
 ROUGH_QUARTER = 2  # load steps per Q_A of the rough solution that finds edges under bulk strain
 
 
