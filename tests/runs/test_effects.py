@@ -213,7 +213,7 @@ def test_a_coupled_loop_needs_the_guard_against_turning_round(monkeypatch):
     """Strong coupling makes Newton cycle between sliding either way: with the guard no increment is halved."""
     hard = {
         "solid__k": -0.5,
-        "solid__nu": 0.3,
+        "solid__nu": 0.2,
         "mesh__facet": 0.05,
         "mesh__edge_facet": 4e-3,
         "mesh__first_layer": 4e-3,
