@@ -89,7 +89,7 @@ def cause(simulation: Simulation) -> str:
     elastic_slip = ELASTIC_SLIP * scene.mu * simulation.scaled.scales.displacement
     slip = f"effects.elastic_slip = {elastic_slip:.1g} m"
     remedy = f"{slip}, a smaller load.mu or another mesh.degree may help"
-    smoother = f"{slip}, a smaller mesh.edge_facet or fewer solver.increments may help"
+    smoother = f"{slip}, a smaller mesh.edge_facet or another number of solver.increments may help"
     if scene.solver.theta > 0:
         return f"with solver.theta = {scene.solver.theta} not every gamma0 is stable: {OTHER_METHOD}"
     if critical is None:
