@@ -32,7 +32,10 @@ from ..fem.surface_points import AllPoints
 COUPLED, UNCOUPLED = (0.1, 0.6), (0.5, 2.0)
 BESIDE = 8  # points beside the edge, whose displacement has the error of the facet that it cuts
 STEPS = 0.3, 3.0  # shortest and longest step of the secant method, over the defect
+CUT = 4  # points that reach over the facet which an edge of contact cuts
+DRAWN = 0.3  # least length of an edge's curve up to now, over that in this step, from which it goes on
 FOLLOWS = 2.0  # times as far as the edge of contact that of stick goes which follows it; further it goes in a reversal
+PATIENT = 3  # solves after which edges of stick draw, though the ratios have not settled
 SAME = 1e-12  # of the contact half-width: points this close are one node's
 SIDES = (-1, 1)  # left, right
 
@@ -64,6 +67,7 @@ class EnteringPoints:
         self._before: Surface = None  # type: ignore[assignment]  # made by ``begin``
         self._after: Surface = None  # type: ignore[assignment]  # as last measured
         self._draws = False  # anchors points that stop where the edge of stick drew them
+        self._solves = 0  # of this step
         self._stuck: np.ndarray = None  # type: ignore[assignment]  # where points stick, as far as it is known
         # from where on the edges of stick drew their curves: before a step, and after it; nan where they did not
         self._start = self._began = dict.fromkeys(SIDES, np.nan)
@@ -80,7 +84,7 @@ class EnteringPoints:
         states = np.where((clearance > 0) | is_first_contact, OPEN, states)
         self._before = Surface(*map(self._points.gathered, (states, memory.anchors(), clearance)))
         self._ratios = {side: Ratio(ratio.value) for side, ratio in self._ratios.items()}
-        self._draws = False
+        self._draws, self._solves = False, 0
         self._began = dict.fromkeys(SIDES, np.nan)
         self._after = None  # type: ignore[assignment]
         self._stuck = np.full(len(self._x), np.nan) if stuck is None else stuck(self._x)
@@ -102,7 +106,8 @@ class EnteringPoints:
         new = touch.copy()
         change = self._change(new, old)
         known = self._is_uncoupled or np.any(np.isfinite(self._stuck))
-        if change <= settled and not known:  # the ratios have settled: what slides now does slide
+        self._solves += 1
+        if (change <= settled or self._solves >= PATIENT) and not known:  # what slides with these ratios does slide
             self._draws = True
         if self._draws:
             for side in SIDES:
@@ -263,8 +268,9 @@ def anchors_of_stopped(x, before: Surface, after: Surface, side: int, touch, sta
 
     They lie on one side of the contact, from the edge of stick inwards. Where it is now the edge tells where points
     stop, and so do those that stuck before: the anchors between lie on a smooth curve through both, where the edge has
-    drawn one since ``start`` (nan: it has not). Else points go on from where they were, or ``touch`` (n,), the further
-    the closer they are to the edge. Third: from where on there is a curve now; nan without points.
+    drawn one since ``start`` (nan: it has not), or begins to as it leaves the old edge of contact. Else points go on
+    from where they were, or ``touch`` (n,), the further the closer they are to the edge. Third: from where on there is
+    a curve now; nan without points.
     """
     contact = np.flatnonzero(after.states != OPEN)
     outwards = contact if side > 0 else contact[::-1]
@@ -284,17 +290,34 @@ def anchors_of_stopped(x, before: Surface, after: Surface, side: int, touch, sta
         return stopped, after.s[outer] * share[stopped], tip
     was = x[before.states != OPEN]
     moved = abs(x[outwards[-1]] - (was[-1] if side > 0 else was[0]))
-    if first == 0 or abs(x[stopped[-1]] - x[stopped[0]]) > FOLLOWS * moved:
+    passed = np.count_nonzero(old[first:edge] == OPEN)  # by the edge of contact
+    reverses = edge - first > passed and abs(x[stopped[-1]] - x[stopped[0]]) > FOLLOWS * moved
+    if reverses and passed == 0:  # what slid stops where it is
+        return none
+    begins = reverses or passed == edge - first and np.isnan(start)
+    if begins:
+        first, start = max(edge - passed - CUT, 0), np.nan
+        stopped = outwards[first:edge]
+    if first == 0:
         return none
     inner = outwards[first - 1]
-    behind = outwards[np.argmin(np.abs(x[outwards] - (2 * x[inner] - x[outer])))]
-    if x[behind] == x[inner] or not side * x[behind] >= side * start:
+    if begins:
+        further = outwards[max(first - 1 - BESIDE, 0)], outwards[edge + min(BESIDE, sliding // 2)]
+        return stopped, smooth(x, after.s, [inner, outer, *further], x[stopped]), float(x[inner])
+    length, drawn = abs(x[outer] - x[inner]), side * (x[inner] - start)
+    if not drawn >= DRAWN * length:
         share = (x[stopped] - x[inner]) / (x[outer] - x[inner])
         began = start if np.isfinite(start) else float(x[inner])
         return stopped, touch[stopped] + (after.s[outer] - touch[outer]) * share, began
-    support = [behind, inner, outer]
-    curve = np.polynomial.Polynomial.fit(x[support], after.s[support], 2)
-    return stopped, curve(x[stopped]), start
+    behind = outwards[np.argmin(np.abs(x[outwards] - (x[inner] - side * min(length, drawn))))]
+    return stopped, smooth(x, after.s, [behind, inner, outer], x[stopped]), start
+
+
+def smooth(x, values, support: list, at) -> np.ndarray:
+    """At points ``at`` the polynomial through ``values`` of points at x, of those whose indices are ``support``."""
+    nodes = np.sort(x[support])
+    nodes = nodes[np.diff(nodes, prepend=-np.inf) > SAME]
+    return np.polynomial.Polynomial.fit(nodes, values[np.searchsorted(x, nodes)], len(nodes) - 1)(at)
 
 
 def leading(mask) -> int:

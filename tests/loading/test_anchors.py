@@ -7,6 +7,7 @@ from analytic import GradedHalfPlane
 from analytic.stuck_edge import StuckEdge
 from forms.contact import BACKWARD, CLOSED, FORWARD, OPEN
 from simulations.loading.anchors import (
+    CUT,
     Ratio,
     Surface,
     anchors_of_entering,
@@ -111,6 +112,19 @@ def test_points_that_stop_as_the_load_turns_back_stay_though_the_outermost_slide
     before, after = touching(0.8, stick=0.3), touching(0.85, stick=0.8)
     for side in (-1, 1):
         assert len(anchors_of_stopped(X, before, after, side, before.s, np.nan)[0]) == 0
+
+
+def test_as_the_load_turns_back_the_edge_of_stick_begins_to_draw_where_that_of_contact_was():
+    """A cubic curve through points inside of the facet that the edge had cut, and through those that slide now."""
+    curve = X**3 - X
+    before, after = touching(0.8, s=curve, stick=0.3), touching(1.0, s=curve, stick=0.9)
+    after.s[(np.abs(X) > 0.75) & (np.abs(X) <= 0.9)] = 9.0  # where they are anchored now does not matter
+    for side in (-1, 1):
+        points, anchors, start = anchors_of_stopped(X, before, after, side, curve, np.nan)
+        inside = np.sort(side * X[points])[:CUT]
+        assert np.all(inside <= 0.8) and np.sort(side * X[points])[CUT] > 0.8
+        assert side * start == pytest.approx(inside[0], abs=1.01 * (X[1] - X[0]))
+        assert anchors == pytest.approx(curve[points], abs=1e-12)
 
 
 def test_where_the_edge_of_stick_begins_to_draw_points_go_on_from_where_they_were():

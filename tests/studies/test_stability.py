@@ -7,6 +7,7 @@ from running import coarse_arguments, run_command
 from solving import SHRINKING, coarse_simulation, limit_stepping, solved
 
 from simulations.fem import body
+from simulations.loading import anchors
 from simulations.loading.pinning import PinnedPoint
 from simulations.loading.stepping import SolveError
 from simulations.runs import checks
@@ -102,6 +103,24 @@ def test_entering_points_are_anchored_where_the_edge_passed_them(monkeypatch):
     assert wiggles(**pressed) < checks.WIGGLES
     limit_stepping(monkeypatch, anchor_passes=0)
     assert wiggles(**pressed) > 2 * checks.WIGGLES
+
+
+LEADING = {"solid__k": -0.4, "solid__nu": -0.2, "load__mu": 0.4, "load__amplitude": 0.15, "solver__increments": 3}
+LEADING |= {"mesh__facet": 0.05, "mesh__edge_facet": 0.003, "mesh__first_layer": 0.004, "mesh__layer_growth": 1.5}
+
+
+def test_anchors_beside_the_old_edge_of_contact_lie_on_a_smooth_curve(monkeypatch):
+    """The facet that the edge had cut has no exact displacements; taken as they are, traction gets a tooth there."""
+    assert wiggles(**LEADING) < checks.WIGGLES
+    monkeypatch.setattr(anchors, "CUT", 0)
+    assert wiggles(**LEADING) > 2 * checks.WIGGLES
+
+
+def test_edges_of_stick_draw_though_ratios_do_not_settle(monkeypatch):
+    strong = LEADING | {"load__mu": 0.55}
+    assert wiggles(**strong) < checks.WIGGLES
+    monkeypatch.setattr(anchors, "PATIENT", 10**9)
+    assert wiggles(**strong) > 2 * checks.WIGGLES
 
 
 def test_mesh_is_fine_where_steep_edges_move(monkeypatch):
