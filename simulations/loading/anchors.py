@@ -35,7 +35,7 @@ STEPS = 0.3, 3.0  # shortest and longest step of the secant method, over the def
 CUT = 4  # points that reach over the facet which an edge of contact cuts
 DRAWN = 0.3  # least length of an edge's curve up to now, over that in this step, from which it goes on
 FOLLOWS = 2.0  # times as far as the edge of contact that of stick goes which follows it; further it goes in a reversal
-PATIENT = 3  # solves after which edges of stick draw, though the ratios have not settled
+PATIENT = 5  # solves after which edges of stick draw, though the ratios have not settled
 SAME = 1e-12  # of the contact half-width: points this close are one node's
 SIDES = (-1, 1)  # left, right
 
