@@ -296,7 +296,7 @@ def anchors_of_stopped(x, before: Surface, after: Surface, side: int, touch, sta
         return none
     begins = reverses or passed == edge - first and np.isnan(start)
     if begins:
-        first, start = max(edge - passed - CUT, 0), np.nan
+        first = max(edge - passed - CUT, 0)
         stopped = outwards[first:edge]
     if first == 0:
         return none
@@ -314,7 +314,7 @@ def anchors_of_stopped(x, before: Surface, after: Surface, side: int, touch, sta
 
 
 def smooth(x, values, support: list, at) -> np.ndarray:
-    """At points ``at`` the polynomial through ``values`` of points at x, of those whose indices are ``support``."""
+    """At points ``at`` the polynomial through those ``values`` of points (n,) at x that ``support`` lists."""
     nodes = np.sort(x[support])
     nodes = nodes[np.diff(nodes, prepend=-np.inf) > SAME]
     return np.polynomial.Polynomial.fit(nodes, values[np.searchsorted(x, nodes)], len(nodes) - 1)(at)
