@@ -62,8 +62,10 @@ def read_cases(only: list[str] = ()) -> dict[str, dict]:
 
 
 def drawn_cases(count: int) -> dict[str, dict]:
-    """The first ``count`` of a seeded draw over what a scene admits: scene keys by name, each judged at every state."""
+    """The first ``count`` of a seeded draw over what a scene admits, each on the default mesh and judged at every state:
+    scene keys by name."""
     base = next(iter(read_cases(["Holl ratio"]).values()))
+    base = {key: value for key, value in base.items() if not key.startswith("mesh.")}
     random, cases = np.random.default_rng(SEED), {}
     for number in range(count):
         coupled = bool(random.random() < 0.7)
@@ -73,8 +75,6 @@ def drawn_cases(count: int) -> dict[str, dict]:
             "load.mu": float(f"{np.exp(random.uniform(*np.log((0.01, 4.0)))):.3g}"),
             "load.amplitude": round(float(random.uniform(0.1, 0.99)), 3),
             "solver.increments": int(random.integers(2, 7)),
-            "mesh.degree": int(random.integers(1, 4)),
-            "mesh.edge_facet": float(random.choice([0.02, 0.01, 5e-3])),
             "effects.friction_in_normal_stage": coupled and bool(random.random() < 0.2),
             "effects.coupling": coupled,
         }
