@@ -15,6 +15,7 @@ from ..fem.parallel import on_root
 from ..fem.surface import SurfaceSampler
 from ..loading.stepping import LoadStepping, SolveError
 from ..scene import Scene
+from ..scene.solid import normal_contact
 from ..solvers.condensed.surface_compliance import SurfaceCompliance
 from ..solvers.condensed.system import CondensedSystem
 from ..solvers.full import FullSystem
@@ -98,10 +99,15 @@ class Simulation(Meshed):
             _stuck(pressing) if pressing else None,
             self.scaled.solid,
         )
-        self.body.delta.value[Y] = indenter.height(1.0)  # overlap on |x| < a: where Newton starts
+        self.body.delta.value[Y] = indenter.height(self._first_half_width())  # overlap there: where Newton starts
         self.sampler = SurfaceSampler(self.body, normal, scene.friction and "coupling" not in self.effects)
         self.resumed = 0  # times
         self.history = History(scene.k, self.mu, indenter.order if pressing else None, self._exponents())
+
+    def _first_half_width(self) -> float:
+        """Of the frictionless contact under the first load; of a coating not more than a, nearly."""
+        load = self.schedule[0].P
+        return min(normal_contact(self.scaled.solid, self.scaled.indenter, load).a, 1.0) if load < 1.0 else 1.0
 
     def _ordinates(self):
         """Columns and layers of the mesh."""

@@ -62,7 +62,7 @@ def read_cases(only: list[str] = ()) -> dict[str, dict]:
 
 
 def drawn_cases(count: int) -> dict[str, dict]:
-    """The first ``count`` of a seeded draw over what a scene admits, each on the default mesh and judged at every state:
+    """The first ``count`` of a seeded draw over what a scene admits, on the default mesh, each judged at every state:
     scene keys by name."""
     base = next(iter(read_cases(["Holl ratio"]).values()))
     base = {key: value for key, value in base.items() if not key.startswith("mesh.")}

@@ -209,6 +209,14 @@ def test_friction_in_the_normal_stage_starts_with_locked_in_traction():
     assert pressed.traction == pytest.approx(-pressed.traction[::-1], abs=2e-2 * mu * pressed.pressure.max())
 
 
+def test_pressing_starts_from_the_contact_of_its_first_load():
+    """From that of the last load 54 iterations led there, by a facet at each edge every time; on finer meshes none."""
+    early = {"effects__friction_in_normal_stage": "true", "solver__normal_increments": 20, "load__cycles": 0}
+    mesh = {"mesh__first_layer": 0.01, "mesh__edge_facet": 0.005}
+    first = next(iter(coarse_simulation(solid__k=-0.7, solid__nu=0.3, **early, **mesh).run()))
+    assert first.iterations <= 15 and first.cuts == 0
+
+
 def test_a_coupled_loop_needs_the_guard_against_turning_round(monkeypatch):
     """Strong coupling makes Newton cycle between sliding either way: with the guard no increment is halved."""
     hard = {
