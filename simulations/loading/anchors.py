@@ -277,10 +277,10 @@ def anchors_of_stopped(x, before: Surface, after: Surface, side: int, touch, sta
     states, old = after.states[outwards], before.states[outwards]
     sliding = leading(states[::-1] == states[-1]) if states[-1] != CLOSED else 0
     edge = len(outwards) - sliding
-    new = (states == CLOSED) & ((old == OPEN) | (old == states[-1]))
+    new = (old == OPEN) | (old == states[-1])  # some may slide still, for no other reason than their old anchors
     first = edge - leading(new[:edge][::-1])
     none = outwards[:0], np.zeros(0), np.nan
-    if not 0 < sliding < len(outwards) or first == edge:
+    if not 0 < sliding < len(outwards) or first == edge or states[edge - 1] != CLOSED:
         return none
     stopped, outer = outwards[first:edge], outwards[edge]
     if np.all(before.states == OPEN):  # the contact started from a point, under an indenter that is a power there
