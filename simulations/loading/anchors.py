@@ -34,6 +34,7 @@ BESIDE = 8  # points beside the edge, whose displacement has the error of the fa
 STEPS = 0.3, 3.0  # shortest and longest step of the secant method, over the defect
 CUT = 4  # points that reach over the facet which an edge of contact cuts
 DRAWN = 0.3  # least length of an edge's curve up to now, over that in this step, from which it goes on
+SLIVER = 0.06  # least width of a band of slip that an edge of stick draws through, over how far that of contact came
 FOLLOWS = 2.0  # times as far as the edge of contact that of stick goes which follows it; further it goes in a reversal
 PATIENT = 5  # solves after which edges of stick draw, though the ratios have not settled
 SAME = 1e-12  # of the contact half-width: points this close are one node's
@@ -290,11 +291,13 @@ def anchors_of_stopped(x, before: Surface, after: Surface, side: int, touch, sta
         return stopped, after.s[outer] * share[stopped], tip
     was = x[before.states != OPEN]
     moved = abs(x[outwards[-1]] - (was[-1] if side > 0 else was[0]))
+    if abs(edge_of_contact(x, after.states, side) - (x[outer] + x[outwards[edge - 1]]) / 2) < SLIVER * moved:
+        return none  # the contact sticks up to its edge, but for what the facet there makes of it
     passed = np.count_nonzero(old[first:edge] == OPEN)  # by the edge of contact
     reverses = edge - first > passed and abs(x[stopped[-1]] - x[stopped[0]]) > FOLLOWS * moved
     if reverses and passed == 0:  # what slid stops where it is
         return none
-    begins = reverses or passed == edge - first and np.isnan(start)
+    begins = reverses or np.isnan(start) and passed >= edge - first - CUT
     if begins:
         first = max(edge - passed - CUT, 0)
         stopped = outwards[first:edge]

@@ -98,6 +98,26 @@ def test_points_that_stop_lie_on_the_curve_that_the_edge_of_stick_has_drawn():
         assert anchors == pytest.approx(curve[points], abs=1e-12)
 
 
+def test_a_point_that_slides_still_among_those_that_stop_is_on_their_curve():
+    """It slides because it was anchored elsewhere: left there, it and all further inside would never be anchored."""
+    curve = X * np.abs(X)
+    before, after = touching(0.8, s=curve, stick=0.4), touching(1.0, s=curve, stick=0.6)
+    island = np.argmin(np.abs(np.abs(X) - 0.5))
+    for state in (FORWARD, BACKWARD):
+        after.states[island] = state
+        for side in (-1, 1):
+            points, anchors, _ = anchors_of_stopped(X, before, after, side, curve, 0.0)
+            assert np.array_equal(np.sort(points), np.flatnonzero((side * X > 0.4) & (side * X <= 0.6)))
+            assert anchors == pytest.approx(curve[points], abs=1e-12)
+
+
+@pytest.mark.parametrize("stick, draws", [(0.995, False), (0.93, True)])
+def test_no_curve_is_drawn_through_a_band_of_slip_much_narrower_than_the_advance(stick, draws):
+    before, after = touching(0.5), touching(1.0, stick=stick)
+    for side in (-1, 1):
+        assert (len(anchors_of_stopped(X, before, after, side, before.s, 0.0)[0]) > 0) == draws
+
+
 def test_points_that_stop_as_the_load_turns_back_stay():
     """All slid to the right around the stick; now those further out slide to the left."""
     before, after = touching(0.8), touching(0.8, stick=0.6)
