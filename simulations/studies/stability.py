@@ -19,7 +19,7 @@ from ..command.command import comm, on_root, run, say
 from ..loading.stepping import SolveError
 from ..output.files import write_table, write_text
 from ..runs import critical_friction
-from ..runs.checks import check, check_errors, drift, still_changing
+from ..runs.checks import LARGE, check, check_errors, drift, still_changing
 from ..runs.comparison import compare, worst_and_own
 from ..runs.energy import EnergyMeter, worst_defect
 from ..runs.reference import NoReference, of_same_physics
@@ -29,7 +29,7 @@ from ..scene import Scene, SceneError, make_scene
 from .commandline import make_folders, study_parser
 from .engine import FAILED as NO_ROW
 from .engine import Item, run_all, workers
-from .stability_report import AFTER, FAILED, GREEN, REFUSED, WRONG, picture, summary, table
+from .stability_report import AFTER, FAILED, GREEN, REFUSED, UNJUDGED, WRONG, picture, summary, table
 from .store import Store
 
 CASES = Path(__file__).with_suffix(".toml")
@@ -119,14 +119,16 @@ def _measure(scene: Scene, every_state: bool) -> dict:
         defects["drift"] = drifting
     unsettled = max(entry.residual / entry.tolerance for entry in history.entries)
     errors, own = _errors(simulation, every_state)
-    off = {name: c.value for name, c in check_errors(errors, own).items() if not c.holds}
+    off = {name: c for name, c in check_errors(errors, own).items() if not c.holds}
     outcome, why = GREEN, ""
     if defects:
         causes = [c.cause for c in checks.values() if c.cause]
         failing = ", ".join(f"{n} {v:.1e}" for n, v in defects.items())
         outcome, why = REFUSED, "; ".join([f"{AFTER}: {failing}", *causes])
     elif off:
-        outcome, why = WRONG, ", ".join(f"{n} {v:.1e}" for n, v in off.items())
+        causes = [c.cause for c in off.values() if c.cause]
+        outcome = WRONG if LARGE in causes else UNJUDGED
+        why = "; ".join([", ".join(f"{n} {c.value:.1e}" for n, c in off.items()), *causes])
     return {
         "outcome": outcome,
         "why": why,

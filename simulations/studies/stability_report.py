@@ -8,12 +8,13 @@ import numpy as np
 
 from ..output import style
 
-GREEN, REFUSED, FAILED, WRONG = "green", "refused", "no answer", "wrong"
-COLOURS = {GREEN: style.GREEN, REFUSED: style.ORANGE, FAILED: style.BLUE, WRONG: style.RED}
+GREEN, REFUSED, FAILED, UNJUDGED, WRONG = "green", "refused", "no answer", "not judged", "wrong"
+COLOURS = {GREEN: style.GREEN, REFUSED: style.ORANGE, FAILED: style.BLUE, UNJUDGED: style.GREY, WRONG: style.RED}
 MEANING = {
     GREEN: "converged, all checks hold",
     REFUSED: "refused with the reason",
     FAILED: "without an answer",
+    UNJUDGED: "off a reference that is known worse than the limit",
     WRONG: "off the reference though all checks hold",
 }
 AFTER = "after the solve"  # begins the reason of a run that its own checks refuse
@@ -46,12 +47,8 @@ def summary(rows: list[dict]) -> str:
 
 def table(rows: list[dict]) -> str:
     """Markdown: a row a study, then every case that is not green."""
-    lines = [
-        summary(rows),
-        "",
-        "| study | cases | green | refused | no answer | wrong | iterations an increment | cuts | p | q | energy |",
-    ]
-    lines.append("|---|" + "---:|" * 10)
+    heads = ("study", "cases", *COLOURS, "iterations an increment", "cuts", "p", "q", "energy")
+    lines = [summary(rows), "", f"| {' | '.join(heads)} |", "|---|" + "---:|" * (len(heads) - 1)]
     for name, cases in by_study(rows).items():
         count = Counter(case["outcome"] for case in cases)
         solved = [case for case in cases if "iterations" in case]
@@ -59,7 +56,7 @@ def table(rows: list[dict]) -> str:
         worst = [_largest(solved, f"error {error}") for error in ("pressure_l2", "traction_l2", "dissipated_energy")]
         numbers = [
             len(cases),
-            *(count[o] for o in (GREEN, REFUSED, FAILED, WRONG)),
+            *(count[o] for o in COLOURS),
             f"{mean:.1f}",
             sum(c["cuts"] for c in solved),
             *worst,
@@ -85,6 +82,8 @@ def action(row: dict) -> str:
         )
     if row["outcome"] == REFUSED and not why.startswith(AFTER):
         return "the value that the reason names"
+    if row["outcome"] in (UNJUDGED, WRONG):
+        return why.rpartition("; ")[2]
     if why.endswith(HELPS):
         return why.rpartition(": ")[2].removesuffix(HELPS).strip()
     return next(what for name, what in ACTIONS.items() if name in why)
@@ -102,7 +101,7 @@ def picture(path: Path, rows: list[dict]):
     figure, (left, right) = plt.subplots(
         1, 2, figsize=(11, height), sharey=True, layout="constrained", width_ratios=(3, 2)
     )
-    markers = {GREEN: "o", REFUSED: "s", FAILED: "^", WRONG: "X"}
+    markers = {GREEN: "o", REFUSED: "s", FAILED: "^", UNJUDGED: "D", WRONG: "X"}
     for place, cases in enumerate(studies.values()):
         for number, case in enumerate(cases):
             outcome = case["outcome"]

@@ -131,6 +131,9 @@ def test_the_table_tells_what_of_the_errors_is_the_references(loop):
 def test_a_reference_that_is_hardly_known_excuses_little():
     found = checks.check_errors({"traction_l2": 0.71}, {"traction_l2": 0.35})
     assert found["error of traction"].value == pytest.approx(0.51) and not checks.hold(found)
+    assert "own error is 35%" in found["error of traction"].cause
+    both = checks.check_errors({"pressure_l2": 0.2, "traction_l2": 0.71}, {"traction_l2": 0.35})
+    assert both["error of pressure"].cause == checks.LARGE and not both["error of traction"].cause
 
 
 def test_steady_loop_does_not_drift():

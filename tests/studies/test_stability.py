@@ -18,7 +18,7 @@ from simulations.scene import SceneError, make_scene
 from simulations.solvers import newton
 from simulations.solvers.condensed import tangent
 from simulations.studies import stability
-from simulations.studies.stability_report import FAILED, GREEN, REFUSED, action
+from simulations.studies.stability_report import FAILED, GREEN, REFUSED, UNJUDGED, WRONG, action
 
 UNCOUPLED = {"effects__coupling": "false", "solid__nu": 0.3}
 
@@ -260,7 +260,16 @@ def test_the_draw_is_seeded_and_admissible():
         (REFUSED, "mesh.edge_facet = 0.02 is too coarse: 0.01 or less would do", "the reason names"),
         (REFUSED, "after the solve: traction wiggles 8.0e-02; mu = 2 is above 1.4: less of it may help", "less of it"),
         (FAILED, "no equilibrium: Newton cycles", "increments"),
+        (UNJUDGED, f"error of traction 5.1e-01; {checks.UNKNOWN.format(0.35)}", "more solver.increments"),
+        (WRONG, f"error of traction 5.1e-01; {checks.LARGE}", "mesh.layer_growth"),
     ],
 )
 def test_table_tells_what_a_user_can_do(outcome, why, what):
     assert what in action({"outcome": outcome, "why": why})
+
+
+@pytest.mark.parametrize("own, outcome", [(0.4, UNJUDGED), (0.05, WRONG)])
+def test_a_reference_that_is_hardly_known_calls_no_run_wrong(own, outcome, monkeypatch):
+    monkeypatch.setattr(stability, "_errors", lambda *_: ({"traction_l2": 0.9}, {"traction_l2": own}))
+    row = stability.solve(next(iter(stability.read_cases(["Holl ratio"]).values())))
+    assert row["outcome"] == outcome and "error of traction" in row["why"]
