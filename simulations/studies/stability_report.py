@@ -123,6 +123,6 @@ def picture(path: Path, rows: list[dict]):
     left.set(xlabel="case of the study [–]", title="How each case ended")
     right.set(xlabel="Newton iterations per increment [–]", title="What it took", xscale="log")
     right.grid(alpha=0.3)
-    figure.legend(*left.get_legend_handles_labels(), loc="outside lower center", ncols=4, fontsize=9, frameon=False)
+    figure.legend(*left.get_legend_handles_labels(), loc="outside lower center", ncols=3, fontsize=9, frameon=False)
     figure.savefig(path, dpi=140)
     plt.close(figure)
