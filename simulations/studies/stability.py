@@ -9,6 +9,7 @@ import itertools
 import time
 import tomllib
 from argparse import Namespace
+from collections.abc import Iterable
 from concurrent.futures import Executor
 from pathlib import Path
 
@@ -19,7 +20,7 @@ from ..command.command import comm, on_root, run, say
 from ..loading.stepping import SolveError
 from ..output.files import write_table, write_text
 from ..runs import critical_friction
-from ..runs.checks import LARGE, check, check_errors, drift, still_changing
+from ..runs.checks import LARGE, Check, check, check_errors, drift, still_changing
 from ..runs.comparison import compare, worst_and_own
 from ..runs.energy import EnergyMeter, worst_defect
 from ..runs.reference import NoReference, of_same_physics
@@ -122,13 +123,10 @@ def _measure(scene: Scene, every_state: bool) -> dict:
     off = {name: c for name, c in check_errors(errors, own).items() if not c.holds}
     outcome, why = GREEN, ""
     if defects:
-        causes = [c.cause for c in checks.values() if c.cause]
-        failing = ", ".join(f"{n} {v:.1e}" for n, v in defects.items())
-        outcome, why = REFUSED, "; ".join([f"{AFTER}: {failing}", *causes])
+        outcome, why = REFUSED, f"{AFTER}: {_told(defects, checks.values())}"
     elif off:
-        causes = [c.cause for c in off.values() if c.cause]
-        outcome = WRONG if LARGE in causes else UNJUDGED
-        why = "; ".join([", ".join(f"{n} {c.value:.1e}" for n, c in off.items()), *causes])
+        why = _told({name: c.value for name, c in off.items()}, off.values())
+        outcome = WRONG if LARGE in why else UNJUDGED
     return {
         "outcome": outcome,
         "why": why,
@@ -146,6 +144,12 @@ def _measure(scene: Scene, every_state: bool) -> dict:
         **{f"check {name}": c.value for name, c in checks.items()},
         **{f"error {name}": value for name, value in errors.items()},
     }
+
+
+def _told(values: dict[str, float], checks: Iterable[Check]) -> str:
+    """Numbers by name, and the causes that checks know."""
+    numbers = ", ".join(f"{name} {value:.1e}" for name, value in values.items())
+    return "; ".join([numbers, *(c.cause for c in checks if c.cause)])
 
 
 def _errors(simulation: Simulation, every_state: bool) -> tuple[dict[str, float], dict[str, float]]:

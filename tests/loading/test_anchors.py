@@ -134,10 +134,14 @@ def test_points_that_stop_as_the_load_turns_back_stay_though_the_outermost_slide
         assert len(anchors_of_stopped(X, before, after, side, before.s, np.nan)[0]) == 0
 
 
-def test_as_the_load_turns_back_the_edge_of_stick_begins_to_draw_where_that_of_contact_was():
-    """A cubic curve through points inside of the facet that the edge had cut, and through those that slide now."""
+@pytest.mark.parametrize("stick", [0.3, 0.77])
+def test_as_the_load_turns_back_the_edge_of_stick_begins_to_draw_where_that_of_contact_was(stick):
+    """A cubic curve through points inside of the facet that the edge had cut, and through those that slide now.
+
+    So it does where a point or two at the old edge slid already.
+    """
     curve = X**3 - X
-    before, after = touching(0.8, s=curve, stick=0.3), touching(1.0, s=curve, stick=0.9)
+    before, after = touching(0.8, s=curve, stick=stick), touching(1.0, s=curve, stick=0.9)
     after.s[(np.abs(X) > 0.75) & (np.abs(X) <= 0.9)] = 9.0  # where they are anchored now does not matter
     for side in (-1, 1):
         points, anchors, start = anchors_of_stopped(X, before, after, side, curve, np.nan)
