@@ -1,9 +1,15 @@
 """A run beside a reference: relative errors where it has the same physics, differences otherwise."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
 
-from .history import Entry, History
-from .reference import Reference, all_states
+from .history import Entry, History, all_states
+
+if TYPE_CHECKING:
+    from .reference import Reference
 
 QUANTITIES = ("pressure_l2", "traction_l2", "slip_l2", "a", "c", "dissipated_energy")  # that ``compare`` may find
 

@@ -3,8 +3,11 @@
 docs/critical_friction.md says what the bounds are bounds of.
 """
 
+from __future__ import annotations
+
 from functools import lru_cache
 from math import inf, isfinite
+from typing import TYPE_CHECKING
 
 from analytic import GradedHalfPlane, PowerLawKernel
 from analytic.half_plane.critical_friction import (
@@ -18,7 +21,9 @@ from analytic.half_plane.critical_friction import (
 from ..scene.effects import Effects
 from ..scene.scene import Scene
 from ..solvers.condensed.system import CondensedSystem
-from .simulation import Simulation
+
+if TYPE_CHECKING:
+    from .simulation import Simulation
 
 OTHER_METHOD = "solver.theta = 0 or a larger solver.gamma0 may help"
 ELASTIC_SLIP = 0.03  # over mu P/E(a): smooths what an edge of contact leaves, docs/stability.md
@@ -82,12 +87,25 @@ def numbers(critical: CriticalFriction | None) -> dict[str, float | str | None]:
     return {name: None if value == inf else value for name, value in values.items()}
 
 
+def why_no_answer(simulation: Simulation) -> str:
+    """What may leave a load step without an answer, and what can be done; "" where rates are unique."""
+    scene = simulation.scene
+    critical = expected(scene, simulation.effects) if scene.friction else None
+    if critical is None or scene.mu <= critical.lower:
+        return ""
+    return f"{describe(scene, critical)}; {_elastic_slip(simulation)} or a smaller load.mu may help"
+
+
+def _elastic_slip(simulation) -> str:
+    """The key with a value that may help."""
+    return f"effects.elastic_slip = {ELASTIC_SLIP * simulation.mu * simulation.scaled.scales.displacement:.1g} m"
+
+
 def cause(simulation: Simulation) -> str:
     """Why tractions may go up and down from node to node, and what can be done. On rank 0."""
     scene = simulation.scene
     critical, own = expected(scene, simulation.effects), of_mesh(simulation)
-    elastic_slip = ELASTIC_SLIP * scene.mu * simulation.scaled.scales.displacement
-    slip = f"effects.elastic_slip = {elastic_slip:.1g} m"
+    slip = _elastic_slip(simulation)
     remedy = f"{slip}, a smaller load.mu or another mesh.degree may help"
     smoother = f"{slip}, a smaller mesh.edge_facet or another number of solver.increments may help"
     if scene.solver.theta > 0:

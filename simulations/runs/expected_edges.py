@@ -24,6 +24,7 @@ EARLY, BESIDE = 3.0, 0.1  # finer where the edge of stick stops first, when q is
 FINEST = 4.0  # the finest on that way with coupling, which k < -0.3 comes to: more takes minutes
 AT_STOPS = 2.0, 0.8  # error of q at k < 0 on the way of the edges of stick, without coupling and with it
 ON_THE_WAY = 0.07, 0.15  # error of p on the contact's way, k >= 0 and k < 0, over that of ``facet`` and k = 0
+LONGEST = 300  # facets on either side of the contact's way: its length is half the contact's where mu is above 1
 STOP = 2.0, 4.0  # error of q that a stop may cost (limits.expected_error) over facet², for k >= 0 and k < 0
 TURNED = 2.0  # where slip has turned, q changes by 2 mu p
 FIRST = 3  # facets, either side, in the contact of the first increment with friction
@@ -81,6 +82,7 @@ class ExpectedEdges:
             size = min(size_for(ON_THE_WAY[k < 0] * expected_error(0.0, facet), k), facet / 2)
             if k < 0:
                 size = max(size, edge_facet**0.9 * facet**0.1)
+            size = max(size, (self.contact_way[1] - self.contact_way[0]) / LONGEST)
             ways.append((*self.contact_way, max(size, edge_facet)))
         error = STOP[k < 0] * facet**2  # that of the smooth part of q falls like this too
         for stop in self.stops:

@@ -153,3 +153,10 @@ class History:
     def _before_cycle(self) -> Entry:
         """What the last full cycle starts from."""
         return self.entries[len(self.entries) - len(self.last_cycle) - 1]
+
+
+def all_states(history: History) -> list[Entry]:
+    """Entries of the last cycle; where there is none those with a tangential load; without friction all."""
+    if history.has_cycle:
+        return history.last_cycle
+    return [e for e in history.entries if e.increment.branch != "normal" or not history.friction] or history.entries

@@ -47,7 +47,7 @@ class MeshFree:
         finer: int | None = None,
         estimated: bool = False,
     ):
-        finer = finer or steps_for_one(simulation)
+        self.finer = finer = finer or steps_for_one(simulation)
         friction_first = "friction in normal stage" in simulation.effects
         loads, places = refined(simulation.schedule, friction_first, finer)
         failure = None

@@ -4,18 +4,22 @@ A reference answers for the states of a history; dimensionless, like the history
 load steps of the run.
 """
 
+from math import ceil, log2
 from typing import Protocol
 
 import numpy as np
 
+from .checks import ERRORS
+from .comparison import own_errors
 from .coupled_loop import grades, serves
-from .history import Entry, History
+from .history import Entry
 from .mesh_free import FINER, MeshFree, NoReference, Tell, steps_for_one
 from .simulation import Simulation
 from .springs import Springs
 from .step_free import StepFree
 from .stretched import StretchedForm
 
+HALVINGS = 2  # of the load steps of a mesh-free solution that is known too badly to judge a run
 ROUGH_TIMES, ROUGH_INCREMENTS = 20.0, 20  # of an increment over one of the rough edges' of a loop, which makes so many
 
 
@@ -93,7 +97,21 @@ def of_same_physics(simulation: Simulation, tell: Tell | None = None) -> Referen
             return StepFree(simulation, estimated=True)
         except NoReference:  # the other solver may
             pass
-    return MeshFree(simulation, tell, estimated=True)
+    return _mesh_free(simulation, tell)
+
+
+def _mesh_free(simulation, tell) -> MeshFree:
+    """With its error, which falls like its load steps: with more of these, should it be larger than a run's may be."""
+    reference = MeshFree(simulation, tell, estimated=True)
+    own = own_errors(simulation.history, reference)
+    excess = np.nanmax([error / ERRORS[name] for name, error in own.items() if name in ERRORS])
+    if not excess > 1.0:
+        return reference
+    finer = reference.finer * 2 ** min(ceil(log2(excess)), HALVINGS)
+    try:
+        return MeshFree(simulation, tell, finer=finer, estimated=True)
+    except NoReference:
+        return reference
 
 
 def describe(reference: Reference, simulation: Simulation) -> str:
@@ -103,6 +121,8 @@ def describe(reference: Reference, simulation: Simulation) -> str:
     if not isinstance(reference, (Springs, StretchedForm)):
         friction = "the same friction" if scene.friction else "no friction"
         nodes = f" of {reference.nodes} nodes" if isinstance(reference, MeshFree) else ""
+    if isinstance(reference, MeshFree) and reference.finer > steps_for_one(simulation):
+        nodes += f" and {reference.finer} load steps for one"
         own = ", whose own error is added to the errors" if reference.coarser else ""
         coupling = " and coupling" if "coupling" in simulation.effects else ""
         return f"{reference.name}{nodes} with {friction}{coupling}{own}"
@@ -111,10 +131,3 @@ def describe(reference: Reference, simulation: Simulation) -> str:
     if "coupling" not in simulation.effects:
         return f"closed form{strain}, which neglects coupling as this run does"
     return f"closed form{strain}, exact at the Holl ratio"
-
-
-def all_states(history: History) -> list[Entry]:
-    """Entries of the last cycle; where there is none those with a tangential load; without friction all."""
-    if history.has_cycle:
-        return history.last_cycle
-    return [e for e in history.entries if e.increment.branch != "normal" or not history.friction] or history.entries

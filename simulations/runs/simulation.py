@@ -21,6 +21,7 @@ from ..solvers.condensed.system import CondensedSystem
 from ..solvers.full import FullSystem
 from ..solvers.newton import FORCE_TOLERANCE
 from . import freeing
+from .critical_friction import why_no_answer
 from .history import Entry, History
 from .limits import (
     check_depth,
@@ -150,7 +151,8 @@ class Simulation(Meshed):
                 with self.watch("solve"):
                     outcome = next(outcomes, None)
             except SolveError as error:
-                raise SolveError(failure_in_si(self, error)) from None
+                causes = failure_in_si(self, error), why_no_answer(self)
+                raise SolveError("; ".join(filter(None, causes))) from None
             if outcome is None:
                 return
             state = self.sampler.sample(self.solver.problem)

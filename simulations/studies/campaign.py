@@ -17,8 +17,9 @@ from ..loading.stepping import SolveError
 from ..output import style
 from ..output.files import write_table, write_text
 from ..runs.comparison import apart, compare, compare_state
+from ..runs.history import all_states
 from ..runs.mesh_free import MeshFree, NoReference, steps_for_one
-from ..runs.reference import Reference, all_states, of_same_physics
+from ..runs.reference import Reference, of_same_physics
 from ..runs.simulation import Simulation
 from ..runs.springs import Springs
 from ..runs.step_free import StepFree

@@ -8,7 +8,8 @@ from simulations.fem.mesh import Grading, columns
 from simulations.fem.surface import fitted_contact_edges, fitted_stick_edges
 from simulations.runs import coupled_loop
 from simulations.runs.coupled_loop import grades, loop_of, states_of
-from simulations.runs.expected_edges import Stop, stops_at
+from simulations.runs.expected_edges import LONGEST, Stop, stops_at
+from simulations.runs.limits import check_size
 from simulations.runs.plan import Plan
 from simulations.runs.simulation import Simulation
 from simulations.runs.step_free import StepFree
@@ -18,6 +19,15 @@ from simulations.scene import DEFAULT_SCENE, parse
 
 def plan(*settings) -> Plan:
     return Plan(parse(DEFAULT_SCENE, ("solid.nu=0.3", *settings)), Stopwatch())
+
+
+def test_a_default_mesh_fits_however_far_the_contact_goes():
+    """Beyond the critical coefficient of friction it moves by more than its half-width."""
+    friction = "load.mu=3", "load.amplitude=0.8", "effects.coupling=true"
+    made = plan("solid.k=-0.7", "solid.nu=-0.3", *friction)
+    x = columns(made.grading())
+    assert len(x) < 10 * LONGEST
+    check_size(made.scene, made.grading(), len(x), 50)
 
 
 def test_facets_are_small_where_an_edge_stops_and_edges_lie_where_they_cost_least():

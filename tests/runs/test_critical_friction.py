@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from solving import coarse_simulation
 
+from simulations.loading.stepping import SolveError
 from simulations.runs import critical_friction
 from simulations.runs.checks import check
 from simulations.runs.explain import explain
@@ -38,3 +39,18 @@ def test_a_run_that_wiggles_says_on_which_side_it_lies():
     surface.traction[:] += 0.3 * surface.pressure * (-1.0) ** np.arange(surface.x.size)
     found = check(simulation.history, lambda x: x**2 / 2, True, lambda: critical_friction.cause(simulation))
     assert not found["traction wiggles"].holds and "mu = 0.3 is below" in found["traction wiggles"].cause
+
+
+@pytest.mark.parametrize("mu, told", [(0.3, "no equilibrium"), (2.0, "no equilibrium; mu = 2 is above the bounds")])
+def test_a_run_without_an_answer_says_so_where_rates_are_not_unique(monkeypatch, mu, told):
+    simulation = coarse_simulation(**COUPLED, load__mu=mu)
+
+    def fail(*_):
+        raise SolveError("no equilibrium")
+        yield
+
+    monkeypatch.setattr(simulation.solver, "run", fail)
+    with pytest.raises(SolveError) as failure:
+        simulation.run_to_end()
+    said = str(failure.value).partition("): ")[2]
+    assert said.startswith(told) and ("effects.elastic_slip = " in said) == (mu > 1) == (said != told)
