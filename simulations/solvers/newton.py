@@ -329,7 +329,8 @@ class Newton:
         at_rest = self._changes[-2:] == [0, 0] and force > before / 10
         if cycles:
             return reason.DIVERGED_INNER
-        if (small_step or at_rest) and force <= ATTAINABLE and imbalance <= 10 * self._wanted:
+        if (small_step or at_rest) and force <= ATTAINABLE and imbalance <= 10 * ATTAINABLE:  # a sum of many forces
+            self._tolerance = max(self._tolerance, force, imbalance / 10)
             return reason.CONVERGED_SNORM_RELATIVE
         if last:
             return reason.DIVERGED_MAX_IT

@@ -66,6 +66,17 @@ def test_tolerance_follows_round_off(monkeypatch):
         solved(**thin)
 
 
+def test_what_round_off_leaves_of_the_load_balance_ends_a_solve():
+    """k = -0.9: the sum of so many stiff nodes' forces is off by more than each of them, however often it is solved."""
+    box = UNCOUPLED | {"solid__k": -0.9, "mesh__first_layer": 1e-3, "mesh__edge_facet": 1e-3, "load__cycles": 0}
+    simulation = coarse_simulation(**box, load__mu=0.1, load__amplitude=0.9, solver__increments=1)
+    pressed = next(simulation.run())
+    assert pressed.iterations <= 15
+    assert 10 * newton.FORCE_TOLERANCE < pressed.imbalance < 10 * pressed.tolerance < newton.ATTAINABLE * 10
+    found = checks.check(simulation.history, simulation.scaled.indenter.height, coupled=False)
+    assert found["residual"].holds and found["load balance"].holds
+
+
 def test_first_contact_has_facets_enough(monkeypatch):
     """Pressed on with little friction, few points all slide at first, and one has to be pinned; of more some stick."""
     monkeypatch.setattr(PinnedPoint, "update", lambda self: False)
