@@ -6,7 +6,7 @@ from mpi4py import MPI
 from running import coarse_arguments, run_command
 from solving import SHRINKING, coarse_simulation, limit_stepping, solved
 
-from simulations.fem import body
+from simulations.fem import body, edge_place
 from simulations.loading import anchors
 from simulations.loading.pinning import PinnedPoint
 from simulations.loading.stepping import SolveError
@@ -64,6 +64,19 @@ def test_tolerance_follows_round_off(monkeypatch):
     solved(**UNCOUPLED)
     with pytest.raises(SolveError):
         solved(**thin)
+
+
+def test_edges_of_a_box_have_their_own_place(monkeypatch):
+    """Pressure that ends nearly like a box goes up at the last node where the edge is placed as for a root."""
+    box = {"solid.k": -0.8, "solid.nu": -0.3, "load.mu": 0.3, "load.amplitude": 0.6, "load.cycles": 0}
+
+    def zigzag():
+        simulation = Simulation(MPI.COMM_SELF, make_scene(box | {"solver.increments": 1, "effects.coupling": False}))
+        return max(checks.wiggles(e.surface.pressure, e.peak_pressure) for e in simulation.run())
+
+    assert zigzag() < checks.WIGGLES / 2
+    monkeypatch.setattr("simulations.runs.plan.best_place", lambda degree, k: edge_place.best_place(degree, -0.6))
+    assert zigzag() > checks.WIGGLES
 
 
 def test_what_round_off_leaves_of_the_load_balance_ends_a_solve():
