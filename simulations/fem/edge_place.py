@@ -21,7 +21,8 @@ RULES = {  # of (degree + 1) nodes: those but the last, which is the first of th
     3: ((0.0, (1 - 5**-0.5) / 2, (1 + 5**-0.5) / 2), (1 / 6, 5 / 12, 5 / 12)),
 }
 APART = 0.05  # from a node of the mesh, which is to lie on one side of the edge for sure
-STEEP, STEEPER, THERE = -0.68, -0.87, 0.65  # degree 2 between these k: measured, docs/accuracy.md
+STEEP = -0.68  # k below which, with degree 2, the place is one measured (docs/accuracy.md):
+MEASURED = (-0.9, -0.7), (0.6, 0.65)  # k, place
 TERMS = 12  # of the sum before the rest follows from the Euler-Maclaurin formula
 
 
@@ -46,8 +47,8 @@ def best_place(degree: int, k: float) -> float:
 
     Where traction ends nearly like a box, what is near the edge costs more than what is seen from afar.
     """
-    if degree == 2 and STEEPER < k < STEEP:
-        return THERE
+    if degree == 2 and k < STEEP:
+        return float(np.interp(k, *MEASURED))
     t = np.linspace(APART, 1 - APART, 1000)
     values = missed(degree, k, t)
     change = np.flatnonzero(values[1:] * values[:-1] < 0)
