@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from mpi4py import MPI
 
-from .runs import checks, comparison, critical_friction, reference
+from .runs import checks, comparison, reference, zigzags
 from .runs.history import Entry
 from .runs.simulation import Simulation
 from .scene import DEFAULT_SCENE, Scene, make_scene
@@ -101,7 +101,7 @@ class Result:
         """What the run is checked for after the solve, by name: value, limit, and whether it ``holds``."""
         simulation = self.simulation
         coupled = "coupling" in simulation.effects or not simulation.scene.friction
-        height, cause = simulation.scaled.indenter.height, lambda: critical_friction.cause(simulation)
+        height, cause = simulation.scaled.indenter.height, lambda: zigzags.cause(simulation)
         return checks.check(simulation.history, height, coupled, cause)
 
     def errors(self) -> dict[str, float]:

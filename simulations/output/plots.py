@@ -5,8 +5,8 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 
+from ..runs.comparison import Reference
 from ..runs.history import Entry, History
-from ..runs.reference import Reference
 from ..runs.simulation import Simulation
 from ..runs.springs import Springs
 from .files import on_disk

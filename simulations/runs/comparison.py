@@ -1,17 +1,40 @@
 """A run beside a reference: relative errors where it has the same physics, differences otherwise."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 
 from .history import Entry, History, all_states
 
-if TYPE_CHECKING:
-    from .reference import Reference
-
 QUANTITIES = ("pressure_l2", "traction_l2", "slip_l2", "a", "c", "dissipated_energy")  # that ``compare`` may find
+
+
+class Reference(Protocol):
+    """Fields at x (n,), half-widths and the energy of the last cycle (all cycles, where none is full)."""
+
+    name: str
+
+    @property
+    def coarser(self) -> "Reference | None":
+        """The same less finely resolved: the difference is about its error. None where it is exact."""
+
+    def pressure(self, entry: Entry, x: np.ndarray) -> np.ndarray:
+        """Contact pressure."""
+
+    def traction(self, entry: Entry, x: np.ndarray) -> np.ndarray:
+        """Traction on the half-plane."""
+
+    def slip(self, entry: Entry, x: np.ndarray) -> np.ndarray:
+        """u_x - delta_x since tangential loading began."""
+
+    def contact(self, entry: Entry) -> tuple[float, float]:
+        """Edges of the contact."""
+
+    def stick_half_width(self, entry: Entry) -> float:
+        """Half-width of the zone that sticks."""
+
+    def dissipated_energy(self) -> float | None:
+        """As ``History.dissipated_energy``; None where unknown."""
 
 
 def relative_l2(weight, computed, exact) -> float:

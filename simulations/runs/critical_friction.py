@@ -3,32 +3,17 @@
 docs/critical_friction.md says what the bounds are bounds of.
 """
 
-from __future__ import annotations
-
 from functools import lru_cache
 from math import inf, isfinite
-from typing import TYPE_CHECKING
 
 from analytic import GradedHalfPlane, PowerLawKernel
-from analytic.half_plane.critical_friction import (
-    ELEMENTS,
-    CriticalFriction,
-    RateOperator,
-    critical_friction,
-    sliver_singular,
-)
+from analytic.half_plane.critical_friction import ELEMENTS, CriticalFriction, RateOperator, critical_friction
 
 from ..scene.effects import Effects
 from ..scene.scene import Scene
-from ..solvers.condensed.system import CondensedSystem
+from .plan import Plan
 
-if TYPE_CHECKING:
-    from .simulation import Simulation
-
-OTHER_METHOD = "solver.theta = 0 or a larger solver.gamma0 may help"
 ELASTIC_SLIP = 0.03  # over mu P/E(a): smooths what an edge of contact leaves, docs/stability.md
-PLACES = 12  # of a sliver on the mesh
-LARGEST = 400  # surface nodes in contact for which the mesh's own bound is looked for
 
 
 def expected(scene: Scene, effects: Effects) -> CriticalFriction | None:
@@ -42,25 +27,6 @@ def expected(scene: Scene, effects: Effects) -> CriticalFriction | None:
 @lru_cache
 def _of_half_plane(k, nu):
     return critical_friction(RateOperator.of(PowerLawKernel(GradedHalfPlane(1.0, nu, k, 1.0))))
-
-
-def of_mesh(simulation: Simulation) -> float | None:
-    """Smallest mu known to leave the rates on the mesh of a finished run without a unique solution. On rank 0.
-
-    inf where none is known; None without coupling, without the condensed system, for too many nodes in contact, and
-    on other ranks.
-    """
-    system = simulation.solver.system
-    if simulation.body.mesh.comm.rank:
-        return None
-    closed = simulation.history.entries[-1].surface.pressure > 0
-    is_small = 3 <= closed.sum() <= LARGEST
-    if "coupling" not in simulation.effects or not isinstance(system, CondensedSystem) or not is_small:
-        return None
-    compliance, m = system.compliance.nodal(closed), int(closed.sum())
-    x, y = slice(m), slice(m, 2 * m)
-    blocks = (compliance[row, column] for row in (x, y) for column in (x, y))
-    return sliver_singular(RateOperator.from_compliance(*blocks), PLACES)[0]
 
 
 def side(scene: Scene) -> str:
@@ -87,35 +53,15 @@ def numbers(critical: CriticalFriction | None) -> dict[str, float | str | None]:
     return {name: None if value == inf else value for name, value in values.items()}
 
 
-def why_no_answer(simulation: Simulation) -> str:
+def why_no_answer(plan: Plan) -> str:
     """What may leave a load step without an answer, and what can be done; "" where rates are unique."""
-    scene = simulation.scene
-    critical = expected(scene, simulation.effects) if scene.friction else None
+    scene = plan.scene
+    critical = expected(scene, plan.effects) if scene.friction else None
     if critical is None or scene.mu <= critical.lower:
         return ""
-    return f"{describe(scene, critical)}; {_elastic_slip(simulation)} or a smaller load.mu may help"
+    return f"{describe(scene, critical)}; {elastic_slip(plan)} or a smaller load.mu may help"
 
 
-def _elastic_slip(simulation) -> str:
+def elastic_slip(plan: Plan) -> str:
     """The key with a value that may help."""
-    return f"effects.elastic_slip = {ELASTIC_SLIP * simulation.mu * simulation.scaled.scales.displacement:.1g} m"
-
-
-def cause(simulation: Simulation) -> str:
-    """Why tractions may go up and down from node to node, and what can be done. On rank 0."""
-    scene = simulation.scene
-    critical, own = expected(scene, simulation.effects), of_mesh(simulation)
-    slip = _elastic_slip(simulation)
-    remedy = f"{slip}, a smaller load.mu or another mesh.degree may help"
-    smoother = f"{slip}, a smaller mesh.edge_facet or another number of solver.increments may help"
-    if scene.solver.theta > 0:
-        return f"with solver.theta = {scene.solver.theta} not every gamma0 is stable: {OTHER_METHOD}"
-    if critical is None:
-        return f"rates of stick and slip are unique without coupling: {smoother}"
-    if own is None:
-        return f"{describe(scene, critical)}: {remedy if scene.mu > critical.lower else smoother}"
-    if scene.mu >= own:
-        lost = "from where on Coulomb's law has no unique rate solution on this mesh"
-        return f"mu = {scene.mu:g} is above {own:.3g}, {lost}: {remedy}"
-    known = "up to where no second rate solution is known on this mesh"
-    return f"mu = {scene.mu:g} is below {own:.3g}, {known}: {smoother}"
+    return f"effects.elastic_slip = {ELASTIC_SLIP * plan.mu * plan.scaled.scales.displacement:.1g} m"

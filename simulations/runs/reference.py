@@ -5,14 +5,12 @@ load steps of the run.
 """
 
 from math import ceil, log2
-from typing import Protocol
 
 import numpy as np
 
 from .checks import ERRORS
-from .comparison import own_errors
+from .comparison import Reference, own_errors
 from .coupled_loop import grades, serves
-from .history import Entry
 from .mesh_free import FINER, MeshFree, NoReference, Tell, steps_for_one
 from .simulation import Simulation
 from .springs import Springs
@@ -21,34 +19,6 @@ from .stretched import StretchedForm
 
 HALVINGS = 2  # of the load steps of a mesh-free solution that is known too badly to judge a run
 ROUGH_TIMES, ROUGH_INCREMENTS = 20.0, 20  # of an increment over one of the rough edges' of a loop, which makes so many
-
-
-class Reference(Protocol):
-    """Fields at x (n,), half-widths and the energy of the last cycle (all cycles, where none is full)."""
-
-    name: str
-
-    @property
-    def coarser(self) -> "Reference | None":
-        """The same less finely resolved: the difference is about its error. None where it is exact."""
-
-    def pressure(self, entry: Entry, x: np.ndarray) -> np.ndarray:
-        """Contact pressure."""
-
-    def traction(self, entry: Entry, x: np.ndarray) -> np.ndarray:
-        """Traction on the half-plane."""
-
-    def slip(self, entry: Entry, x: np.ndarray) -> np.ndarray:
-        """u_x - delta_x since tangential loading began."""
-
-    def contact(self, entry: Entry) -> tuple[float, float]:
-        """Edges of the contact."""
-
-    def stick_half_width(self, entry: Entry) -> float:
-        """Half-width of the zone that sticks."""
-
-    def dissipated_energy(self) -> float | None:
-        """As ``History.dissipated_energy``; None where unknown."""
 
 
 def closed_form(simulation: Simulation) -> Springs | StretchedForm | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from . import checks, comparison, critical_friction, reference
+from . import checks, comparison, critical_friction, reference, zigzags
 from .checks import Check
 from .simulation import Simulation
 
@@ -18,7 +18,7 @@ class Comparison:
     own: what of them is the other solution's error, as far as it is known.
     """
 
-    other: reference.Reference
+    other: comparison.Reference
     words: str
     values: dict[str, float]
     deviations: dict[str, float]
@@ -62,7 +62,7 @@ def find(simulation: Simulation, tell: reference.Tell | None = None) -> Findings
             neglecting = _compare(simulation, closed, words, tuple(neglected))
     coupled = "coupling" in simulation.effects or not scene.friction
     found = checks.check(
-        history, simulation.scaled.indenter.height, coupled, lambda: critical_friction.cause(simulation)
+        history, simulation.scaled.indenter.height, coupled, lambda: zigzags.cause(simulation)
     )
     if exact:
         found |= checks.check_errors(exact.deviations | exact.worst, exact.own)
@@ -127,7 +127,7 @@ def _deviations(kind: str, beside: Comparison | None) -> dict:
     return {kind: beside.deviations, f"{kind}_worst_state": beside.worst}
 
 
-def _compare(simulation: Simulation, other: reference.Reference, words: str, without=()) -> Comparison:
+def _compare(simulation: Simulation, other: comparison.Reference, words: str, without=()) -> Comparison:
     history, scales = simulation.history, simulation.scaled.scales
     deviations = comparison.compare(history, other)
     last, mine = history.entries[-1], quantities(simulation)

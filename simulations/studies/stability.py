@@ -19,7 +19,7 @@ from mpi4py import MPI
 from ..command.command import comm, on_root, run, say
 from ..loading.stepping import SolveError
 from ..output.files import write_table, write_text
-from ..runs import critical_friction
+from ..runs import critical_friction, zigzags
 from ..runs.checks import LARGE, Check, check, check_errors, drift, still_changing
 from ..runs.comparison import compare, worst_and_own
 from ..runs.energy import EnergyMeter, worst_defect
@@ -110,7 +110,7 @@ def _measure(scene: Scene, every_state: bool) -> dict:
     history = simulation.history
     tolerance = max(entry.tolerance for entry in history.entries)
     height, coupled = simulation.scaled.indenter.height, "coupling" in simulation.effects
-    checks = check(history, height, coupled, lambda: critical_friction.cause(simulation))
+    checks = check(history, height, coupled, lambda: zigzags.cause(simulation))
     defects = {name: c.value for name, c in checks.items() if not c.holds}
     balance = worst_defect(meter.steps, ENERGY_ROUND_OFF * tolerance / ENERGY)
     if balance > (CONSISTENCY if scene.solver.theta else ENERGY):
