@@ -91,8 +91,8 @@ def describe(reference: Reference, simulation: Simulation) -> str:
     if not isinstance(reference, (Springs, StretchedForm)):
         friction = "the same friction" if scene.friction else "no friction"
         nodes = f" of {reference.nodes} nodes" if isinstance(reference, MeshFree) else ""
-    if isinstance(reference, MeshFree) and reference.finer > steps_for_one(simulation):
-        nodes += f" and {reference.finer} load steps for one"
+        if isinstance(reference, MeshFree) and reference.finer > steps_for_one(simulation):
+            nodes += f" and {reference.finer} load steps for one"
         own = ", whose own error is added to the errors" if reference.coarser else ""
         coupling = " and coupling" if "coupling" in simulation.effects else ""
         return f"{reference.name}{nodes} with {friction}{coupling}{own}"
