@@ -155,12 +155,19 @@ def test_mesh_is_fine_where_steep_edges_move(monkeypatch):
 
 
 def test_steps_are_refined(monkeypatch):
-    """Box-like pressure on fine facets: forces of 1e7 P cancel in the first step."""
+    """Box-like pressure on fine facets: forces of 1e7 P cancel in the first step, whose round-off others then carry."""
     box = {"solid__k": -0.9, "solid__nu": 0.3, "mesh__facet": 0.05, "mesh__edge_facet": 5e-3, "mesh__first_layer": 5e-3}
-    solved(**box, load__cycles=0)
+
+    def needed():
+        try:
+            return next(coarse_simulation(**box, load__cycles=0).run()).iterations
+        except SolveError:
+            return np.inf
+
+    refined = needed()
+    assert refined <= 15
     monkeypatch.setattr(tangent, "EXACT", (np.inf, np.inf))
-    with pytest.raises(SolveError):
-        solved(**box, load__cycles=0)
+    assert needed() > 3 * refined
 
 
 def test_last_point_that_sticks_is_pinned(monkeypatch):
