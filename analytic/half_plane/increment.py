@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .linear import ContactNotConverged, ContactSets, Data, IncrementSolution, LinearProblem
+from .linear import ContactNotConverged, ContactSets, Data, IncrementSolution, LinearProblems
 from .operator import SurfaceOperator
 from .path import followed, near, sticking
 
@@ -32,9 +32,10 @@ class Increment:
         solutions is followed from the sets reached, which needs no luck. Raises ContactNotConverged.
         """
         seen, data = set(), Data(self.height, self.rest, self.P, self.Q)
+        problems = LinearProblems(self.operator, self.mu)
         try:
             for iteration in range(1, MAX_ITERATIONS + 1):
-                (solution,) = LinearProblem(self.operator, self.mu, sets).solve(data, iterations=iteration)
+                (solution,) = problems.solve(sets, data, iterations=iteration)
                 new = self._updated(solution, ROUNDING[0])
                 changed = self._changed(solution, new, ROUNDING[0])
                 if not changed.any():
@@ -46,7 +47,7 @@ class Increment:
                     break
                 seen.add(key)
                 sets = new
-            solution = self._followed(data, solution)
+            solution = self._followed(problems, data, solution)
             changed = self._changed(solution, self._updated(solution, ROUNDING[1]), ROUNDING[1])
             if changed.any():
                 x = self.operator.nodes[changed]
@@ -58,12 +59,12 @@ class Increment:
         except ContactNotConverged as failure:
             raise ContactNotConverged(f"P = {self.P:g}, Q = {self.Q:g}: {failure}") from None
 
-    def _followed(self, data, guess):
+    def _followed(self, problems, data, guess):
         """Solution at the end of a path: from the ``guess``, or from a state where all sticks if that path fails."""
         try:
-            return followed(self.operator, self.mu, data, near(self.operator, self.mu, data, guess))
+            return followed(problems, data, near(self.operator, self.mu, data, guess))
         except ContactNotConverged:
-            return followed(self.operator, self.mu, data, sticking(self.operator, data, guess))
+            return followed(problems, data, sticking(self.operator, data, guess))
 
     def _changed(self, s, new, rounding):
         """Nodes whose status is to change; also the last that sticks, which stays so, beyond the limit of friction."""

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .linear import ContactNotConverged, ContactSets, Data, LinearProblem
+from .linear import ContactNotConverged, ContactSets, Data, LinearProblems
 
 STEPS_PER_NODE = 4  # before it is given up
 MARGIN = 1e-3  # of the largest pressure or displacement: how far a guess is moved inside its conditions
@@ -60,13 +60,13 @@ def _some(x):
     return MARGIN * (1 + np.modf(0.6180339887 * np.arange(len(x)))[0])
 
 
-def followed(operator, mu, data: Data, start: Start):
+def followed(problems: LinearProblems, data: Data, start: Start):
     """Solution for ``data`` at the end of the path from ``start``; raises ContactNotConverged."""
-    sets, added, units = start.sets, start.data - data, (start.stress, start.length)
+    mu, sets, added, units = problems.mu, start.sets, start.data - data, (start.stress, start.length)
     t, direction, entered = 1.0, -1.0, None
-    limit = STEPS_PER_NODE * len(operator.nodes)
+    limit = STEPS_PER_NODE * len(data.height)
     for step in range(limit):
-        fixed, change = LinearProblem(operator, mu, sets).solve(data, added, iterations=step)
+        fixed, change = problems.solve(sets, data, added, iterations=step)
         rate = _conditions(mu, sets, added, change, *units)
         value = _conditions(mu, sets, data, fixed, *units) + t * rate
         if entered is not None:

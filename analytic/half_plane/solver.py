@@ -101,6 +101,7 @@ class HalfPlaneContact:
         mu = self.mu if self.friction_in_normal_stage or not normal_stage else 0.0
         layout, old_edges = memory.layout, memory.edges_left_behind(load)
         fine, solution, iterations, motion = 0, None, 0, np.inf
+        earlier: list[Layout] = []
         settled = SETTLED * first_distance(self.nodes, k)
         for number in range(PASSES):
             operator, solution = self._solved(layout, fine > 0, fine > 0, memory, mu, load, solution)
@@ -109,6 +110,12 @@ class HalfPlaneContact:
             last_motion, motion = motion, new.distance(layout)
             if fine and motion < (SOUGHT if fine > 2 * PATIENCE else settled):
                 return self._remember(memory, new, operator, solution, load, normal_stage, motion, iterations)
+            if any(new.distance(other) < settled for other in earlier):  # edges go round: once more
+                if fine > 2 * PATIENCE:
+                    break
+                fine, earlier = 2 * PATIENCE, []
+            if fine:
+                earlier.append(new)
             fine += fine > 0 or motion < SOUGHT or number >= PATIENCE
             layout = layout.halfway(new) if motion > SLOW * last_motion else new
         # Some edge goes to and fro between nodes: straight lines do not ask where it is.
@@ -117,7 +124,7 @@ class HalfPlaneContact:
         new = layout.of(solution, mu, k, old_edges)
         if (motion := new.distance_of_contact(layout)) > UNSETTLED:
             raise ContactNotConverged(
-                f"P = {P:g}, Q = {Q:g}: after {PASSES} passes the edges of contact still move "
+                f"P = {P:g}, Q = {Q:g}: after {number + 1} passes the edges of contact still move "
                 f"by {motion:.1e} of the width of the contact"
             )
         motion = new.distance(layout)

@@ -4,7 +4,11 @@ import numpy as np
 import pytest
 
 from analytic import GradedHalfPlane, PowerProfile
-from analytic.half_plane.solver import HalfPlaneContact
+from analytic.half_plane.interpolation import linear
+from analytic.half_plane.linear import ContactSets, Data, LinearProblems, _Base
+from analytic.half_plane.operator import SurfaceOperator
+from analytic.half_plane.solver import PASSES, HalfPlaneContact
+from analytic.half_plane.surface_kernel import PowerLawKernel
 
 PROFILE, P = PowerProfile(0.5, 2.0), 1.0
 
@@ -101,3 +105,46 @@ def test_path_is_taken_in_halves_if_a_step_fails(monkeypatch):
     assert steps == pytest.approx([0.0, 0.075, 0.15, 0.225, 0.3])
     with pytest.raises(ContactNotConverged, match="a long step"):
         HalfPlaneContact(GradedHalfPlane(1.0, 0.3, 0.3, 1.0), PROFILE, 20.0, nodes=60).run([(P, 0.0), (P, 15.0)])
+
+
+def test_edges_that_go_round_are_not_followed_for_ever(monkeypatch):
+    """A sliver of slip at an edge of stick comes and goes from pass to pass; without notice all passes are made."""
+    passes, solved, advance = [], HalfPlaneContact._solved, HalfPlaneContact._advance
+
+    def counted(self, *arguments):
+        passes[-1] += 1
+        return solved(self, *arguments)
+
+    def begun(self, *arguments):
+        passes.append(0)
+        return advance(self, *arguments)
+
+    monkeypatch.setattr(HalfPlaneContact, "_solved", counted)
+    monkeypatch.setattr(HalfPlaneContact, "_advance", begun)
+    solver = HalfPlaneContact(GradedHalfPlane(1.0, -0.309, -0.472, 1.0), PROFILE, 0.256, nodes=200)
+    solver.run([(P, 0.0), *loop(0.256, 0.219)])
+    assert max(passes) <= PASSES
+
+
+def test_replaced_equations_are_those_of_the_sets(monkeypatch):
+    """Problems in which few nodes change their status: solved from one factor, or each from its own."""
+    solid, friction = GradedHalfPlane(1.0, 0.2, 0.3, 1.0), 0.4
+    x = np.linspace(-1.2, 1.2, 81)
+    operator = SurfaceOperator.on(PowerLawKernel(solid), x, linear(x), linear(x))
+    data = [Data(x**2 / 2, np.sin(3 * x) * scale, 1.0, 0.1) for scale in (0.0, 0.1)]
+    factors, begin = [], _Base.__init__
+    monkeypatch.setattr(_Base, "__init__", lambda self, *all: (factors.append(self), begin(self, *all))[1])
+    few = LinearProblems(operator, friction)
+    closed, slipping = np.abs(x) < 1.0, np.where(np.abs(x) < 0.5, 0.0, 1.0)
+    draw = np.random.default_rng(1)
+    for _ in range(12):
+        node = draw.integers(len(x))
+        closed[node], slipping[node] = draw.random() < 0.8, draw.integers(-1, 2)
+        sets = ContactSets(closed.copy(), np.where(closed, slipping, 0.0))
+        for found, expected in zip(few.solve(sets, *data), LinearProblems(operator, friction).solve(sets, *data)):
+            size = np.abs(expected.pressure).max()
+            assert found.pressure == pytest.approx(expected.pressure, abs=1e-11 * size)
+            assert found.traction == pytest.approx(expected.traction, abs=1e-11 * size)
+            assert (found.delta_x, found.delta_y) == pytest.approx((expected.delta_x, expected.delta_y), rel=1e-11)
+            assert not found.pressure[~closed].any() and not found.traction[~closed].any()
+    assert len(factors) == 12 + 1
