@@ -15,9 +15,9 @@ import ufl
 
 X, Y = 0, 1  # components: along the surface, into the body
 OPEN, BACKWARD, CLOSED, FORWARD = 0, 1, 2, 3  # contact states: sliding along -x, closed or stuck, sliding along +x
-# Imposed on a point whatever its tractions are, in ``slides`` and ``contact_pressure``: it does not slide, slides along
-# +x, slides along -x, is open.
-PINNED, DRIVEN_FORWARD, DRIVEN_BACKWARD, LIFTED = 2.0, 3.0, -3.0, 4.0
+# Imposed on a point whatever its tractions are, in ``slides`` and ``contact_pressure``: it slides along -x, does not
+# slide, slides along +x, is open; 0 imposes nothing.
+DRIVEN_BACKWARD, PINNED, DRIVEN_FORWARD, LIFTED = -1.0, 1.0, 2.0, 3.0
 
 
 def gap(u, profile, delta):
@@ -35,9 +35,13 @@ def stretch(strain, x):
     return strain * x
 
 
-def contact_pressure(traction, gap, gamma, imposed=None):
-    """p = [ t_y - gamma gap ]_+ ; imposed: 0 where a point that is LIFTED is not, None where none can be."""
-    trial = traction[Y] - gamma * gap
+def trial_pressure(traction, gap, gamma):
+    """The pressure of a point that stays in contact:  t_y - gamma gap ."""
+    return traction[Y] - gamma * gap
+
+
+def contact_pressure(trial, imposed=None):
+    """p = [ trial ]_+ ; imposed: 0 where a point that is LIFTED is not, None where none can be."""
     touches = ufl.gt(trial, 0.0)
     if imposed is not None:
         touches = ufl.And(touches, ufl.lt(imposed, (DRIVEN_FORWARD + LIFTED) / 2))
@@ -59,34 +63,21 @@ def trial_traction(traction, s, anchor, gamma, elastic=None):
     return trial if elastic is None else trial / (1.0 + gamma * elastic)
 
 
-def slides(trial, limit, before):
+def slides(trial, limit, imposed):
     """Where a point slides: 1 along +x, -1 along -x, 0 where it sticks.
 
-    before: where it slid in the last Newton iterate. A point does not turn from sliding one way to sliding the other
-    at once but sticks in between, one that is PINNED does not slide at all, and those that are DRIVEN do; 0 everywhere
-    for Coulomb's law as it is.
+    imposed: what a Newton step imposes on it, see PINNED; 0 everywhere for Coulomb's law as it is.
     """
-    forward = ufl.And(ufl.gt(trial, limit), ufl.And(ufl.gt(before, -0.5), ufl.lt(before, (1.0 + PINNED) / 2)))
-    backward = ufl.And(ufl.lt(trial, -limit), ufl.lt(before, 0.5))
-    forward = ufl.Or(forward, ufl.gt(before, (PINNED + DRIVEN_FORWARD) / 2))
-    backward = ufl.Or(backward, ufl.lt(before, (DRIVEN_BACKWARD - 1.0) / 2))
+    free = ufl.lt(abs(imposed), 0.5)
+    forward = ufl.Or(ufl.And(free, ufl.gt(trial, limit)), ufl.gt(imposed, (PINNED + DRIVEN_FORWARD) / 2))
+    backward = ufl.Or(ufl.And(free, ufl.lt(trial, -limit)), ufl.lt(imposed, DRIVEN_BACKWARD / 2))
     return ufl.conditional(forward, 1.0, ufl.conditional(backward, -1.0, 0.0))
 
 
-def slip_beyond_limit(trial, limit, gamma):
-    """How far a point slides beyond where friction stops it, a length:  (|trial| - mu p)/gamma ; negative in stick."""
-    return (abs(trial) - limit) / gamma
-
-
-def coulomb(trial, pressure, limit, sliding, all_stick):
-    """Coulomb's projection  q = clip(trial, -mu p, mu p), (25), (26), with mu p the ``limit``.
-
-    sliding: from ``slides``. With ``all_stick`` = 1 every point in contact keeps its trial value: the predictor of a
-    load increment.
-    """
+def coulomb(trial, pressure, limit, sliding):
+    """Coulomb's projection  q = clip(trial, -mu p, mu p), (25), (26); limit: mu p; sliding: from ``slides``."""
     projected = ufl.conditional(ufl.gt(abs(sliding), 0.5), sliding * limit, trial)
-    stuck = ufl.conditional(ufl.gt(pressure, 0.0), trial, 0.0)
-    return ufl.conditional(ufl.gt(all_stick, 0.5), stuck, projected)
+    return ufl.conditional(ufl.gt(pressure, 0.0), projected, 0.0)
 
 
 def contact_state(pressure, sliding=None):

@@ -58,19 +58,14 @@ def internal_work(solid: Solid, u, pi, v, r, dx, correction=1.0):
 class Friction:
     """What Coulomb's law needs beside the displacement: constants and fields at the surface points.
 
-    mu; anchor: where a point last came to rest; slid: where it slid in the last Newton iterate, or what is
-    imposed on it (``contact.slides``);
-    all_stick: 1 in the predictor; is_lagged: 1 where friction is limited by lagged_pressure, None where there is none;
-    stretch: tangential displacement of the surface beside u (``contact.stretch``), None without bulk strain.
-    elastic: compliance of elastic slip, a length over a stress, None without.
+    mu; anchor: where a point last came to rest; imposed: contact states that a Newton step imposes
+    (``contact.slides``), 0 for none; stretch: tangential displacement of the surface beside u (``contact.stretch``),
+    None without bulk strain; elastic: compliance of elastic slip, a length over a stress, None without.
     """
 
     mu: Any
     anchor: Any
-    slid: Any
-    all_stick: Any
-    is_lagged: Any = None
-    lagged_pressure: Any = None
+    imposed: Any
     stretch: Any = None
     elastic: Any = None
 
@@ -87,18 +82,17 @@ class NitscheParameters:
 class Contact:
     """The contact tractions ``tractions[Y]`` = p and ``tractions[X]`` = q, and what else is known at a surface point.
 
-    state: ``contact.contact_state``; clearance: None where the pressure is held; sliding, beyond_limit, rest, released:
-    None without friction.
+    trials: what p and q would be if the point stayed in contact and stuck, each linear in the displacements; state:
+    ``contact.contact_state``; clearance: None where the pressure is held; rest, released: None without friction.
     """
 
     t: Any
     nitsche: NitscheParameters
     tractions: dict[int, Any] = field(default_factory=dict)
+    trials: dict[int, Any] = field(default_factory=dict)
     state: Any = None
     clearance: Any = None
     friction: Friction | None = None
-    sliding: Any = None
-    beyond_limit: Any = None
     rest: Any = None
     released: Any = None
 
@@ -106,41 +100,39 @@ class Contact:
 def frictionless_contact(u, t, delta, profile, nitsche: NitscheParameters, imposed=None) -> Contact:
     """Pressure alone, (F5); profile: the indenter's f(x); imposed: as in ``contact.contact_pressure``."""
     g = contact.gap(u, profile, delta)  # (F4)
-    p = contact.contact_pressure(t, g, nitsche.gamma, imposed)  # (F5)
-    return Contact(t, nitsche, {Y: p}, contact.contact_state(p), contact.clearance(t, g, nitsche.gamma))
+    trial = contact.trial_pressure(t, g, nitsche.gamma)
+    p = contact.contact_pressure(trial, imposed)  # (F5)
+    return Contact(t, nitsche, {Y: p}, {Y: trial}, contact.contact_state(p), contact.clearance(t, g, nitsche.gamma))
 
 
 def frictional_contact(u, t, delta, profile, nitsche: NitscheParameters, friction: Friction) -> Contact:
     """Pressure and tangential traction, (F5) and (F7)."""
-    normal = frictionless_contact(u, t, delta, profile, nitsche, friction.slid)
-    return _with_friction(u, t, delta, normal.tractions[Y], normal.tractions, nitsche, friction, normal.clearance)
+    normal = frictionless_contact(u, t, delta, profile, nitsche, friction.imposed)
+    return _with_friction(u, t, delta, normal.tractions[Y], normal, nitsche, friction)
 
 
 def tangential_contact(u, t, delta, held_pressure, nitsche: NitscheParameters, friction: Friction) -> Contact:
     """Tangential traction alone, (F7), under a held pressure p_N; u and t: less those of the frictionless problem."""
-    return _with_friction(u, t, delta, held_pressure, {}, nitsche, friction)
+    normal = Contact(t, nitsche, trials={Y: held_pressure})
+    return _with_friction(u, t, delta, held_pressure, normal, nitsche, friction)
 
 
-def _with_friction(u, t, delta, p, tractions, nitsche, friction, clearance=None):
-    gamma, limiting = nitsche.gamma, p
-    if friction.is_lagged is not None:
-        limiting = ufl.conditional(ufl.gt(friction.is_lagged, 0.5), friction.lagged_pressure, p)
+def _with_friction(u, t, delta, p, normal, nitsche, friction):
+    gamma, limit = nitsche.gamma, friction.mu * p
     s = contact.relative_displacement(u, delta)  # (F6)
     if friction.stretch is not None:
         s += friction.stretch  # (F6)
     trial = contact.trial_traction(t, s, friction.anchor, gamma, friction.elastic)
-    limit = friction.mu * limiting
-    sliding = contact.slides(trial, limit, friction.slid)
-    q = contact.coulomb(trial, limiting, limit, sliding, friction.all_stick)  # (F7)
+    sliding = contact.slides(trial, limit, friction.imposed)
+    q = contact.coulomb(trial, p, limit, sliding)  # (F7)
     return Contact(
         t,
         nitsche,
-        tractions | {X: q},
+        normal.tractions | {X: q},
+        normal.trials | {X: trial},
         contact.contact_state(p, sliding),
-        clearance,
+        normal.clearance,
         friction,
-        sliding,
-        beyond_limit=contact.slip_beyond_limit(trial, limit, gamma),
         rest=contact.rest_position(t, s, q, gamma, friction.elastic),  # (F11)
         released=contact.rest_position(t, s, 0.0, gamma),
     )

@@ -30,7 +30,8 @@ class ContactProblem:
 
     height: numpy function of x, the indenter's profile f(x). ``directions`` lists the contact tractions in the forms,
     each with its rigid displacement: (Y,) without friction; (X, Y) with; (X,) for the tangential problem uncoupled
-    from the normal one, whose pressure it holds. mu: coefficient of friction; elastic: compliance of elastic slip.
+    from the normal one, whose pressure it holds. mu: coefficient of friction, 0 without; elastic: compliance of elastic
+    slip.
 
     terms: residual, Jacobian and forces; points: of the surface; memory, safeguards: None without friction; held: None
     unless uncoupled.
@@ -45,7 +46,7 @@ class ContactProblem:
         mu: float = 0.0,
         elastic: float = 0.0,
     ):
-        self.body, self.directions, self.elastic = body, directions, elastic
+        self.body, self.directions, self.mu, self.elastic = body, directions, mu, elastic
         self.points = SurfacePoints(body)
         self.held = None if Y in directions else HeldPressure(self.points)
         law = self._law(height, nitsche, mu)
@@ -53,7 +54,7 @@ class ContactProblem:
         self.memory = self.safeguards = None
         if self.friction:
             self.memory = SlipMemory(self.points, law)
-            self.safeguards = NewtonSafeguards(self.points, law, self.terms.pressure)
+            self.safeguards = NewtonSafeguards(self.points, law)
 
     @property
     def friction(self) -> bool:
@@ -79,10 +80,7 @@ class ContactProblem:
         friction = weak_form.Friction(
             mu=body.constant(mu),
             anchor=points.field("anchor"),
-            slid=points.field("slid"),
-            all_stick=body.constant(0.0),
-            is_lagged=None if self.held else body.constant(0.0),
-            lagged_pressure=None if self.held else points.field("lagged pressure"),
+            imposed=points.field("imposed"),
             stretch=None if body.strain is None else contact.stretch(body.strain, ufl.SpatialCoordinate(body.mesh)[0]),
             elastic=body.constant(self.elastic) if self.elastic else None,
         )

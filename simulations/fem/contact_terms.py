@@ -17,7 +17,7 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from forms import weak_form
-from forms.contact import Y
+from forms.contact import X, Y
 
 from .body import ElasticBody
 from .held_pressure import HeldPressure
@@ -52,6 +52,7 @@ class ContactTerms:
         self._vector_on_strip = fem.Function(body.space)
         self.clearance = None if law.clearance is None else PointExpression(points, law.clearance)
         self._state = PointExpression(points, law.state)
+        self._trials = {i: PointExpression(points, trial) for i, trial in law.trials.items()}
         nodes = fem.locate_dofs_topological(body.displacements, 1, body.strip)
         self._surface_dofs = body.dofs[nodes].ravel()
         # A displacement's last digit, times gamma and a node's length of surface, is a contact force.
@@ -124,6 +125,11 @@ class ContactTerms:
     def contact_states(self) -> np.ndarray:
         """At this rank's surface points (m,): OPEN, CLOSED, FORWARD or BACKWARD of ``forms.contact``."""
         return self._state.values()
+
+    def trials(self) -> np.ndarray:
+        """Trial traction and pressure (2, m) of this rank's surface points, linear in the displacements; 0 for none."""
+        zero = np.zeros_like(self._state.values())
+        return np.array([self._trials[i].values().copy() if i in self._trials else zero for i in (X, Y)])
 
     def round_off(self) -> float:
         """Norm of the contact forces that the last digits of the present displacement make: no residual gets below."""

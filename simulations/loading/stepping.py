@@ -11,7 +11,8 @@ from analytic.stuck_edge import StuckEdge
 
 from ..fem.contact_problem import ContactProblem
 from ..fem.load import NO_LOAD, Load
-from ..solvers.newton import FORCE_TOLERANCE, Newton, NewtonResult, System
+from ..solvers.newton import FORCE_TOLERANCE, Newton, NewtonResult
+from ..solvers.system import System
 from .anchors import EnteringPoints
 from .fallbacks import FALLBACKS, Options
 from .schedule import LoadStep

@@ -10,8 +10,10 @@ solve of their own size.
 import numpy as np
 from petsc4py import PETSc
 
-from ..fem.contact_problem import ContactProblem
+from ..fem.contact_problem import ContactProblem, X
 from .newton import bulk_solver
+
+SINGULAR = 1e12  # condition of the equations of the cylinder, which is free to move beyond it
 
 
 class FullSystem:
@@ -61,10 +63,8 @@ class FullSystem:
         bulk, rigid = self._split(b)
         response = self._bulk_solve(bulk)
         rigid = rigid - np.array([row.dot(response) for row in self._rows])
-        try:
-            rigid = np.linalg.solve(self._schur, rigid)
-        except np.linalg.LinAlgError:
-            rigid = np.full_like(rigid, np.nan)
+        regular = np.linalg.cond(self._schur) < SINGULAR
+        rigid = np.linalg.solve(self._schur, rigid) if regular else np.full_like(rigid, np.nan)
         for z, value in zip(self._responses, rigid):
             response.axpy(-value, z)
         self._join(response, rigid, x)
@@ -77,6 +77,11 @@ class FullSystem:
         for column, value in zip(self._columns, rigid):
             image.axpy(value, column)
         self._join(image, np.array([row.dot(bulk) for row in self._rows]) + self._corner @ rigid, y)
+
+    def move_indenter(self, x, distance: float):
+        """Add ``distance`` along the surface to the rigid displacement in ``x``."""
+        if self._comm.rank == self._comm.size - 1:
+            x.array[-len(self._rigid) + self._rigid.index(X)] += distance
 
     def finish(self, x):
         """Leave the state ``x`` in the problem's fields."""

@@ -7,15 +7,14 @@ line under the prefix ``fretting_``, those of the bulk factorisation under ``fre
 
 import weakref
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
-from mpi4py import MPI
 from petsc4py import PETSc
 
-from ..fem.contact_problem import ContactProblem
 from .edge_jumps import EdgeJumps
 from .last_steps import LastSteps
+from .path import follow
+from .system import System
 
 SNES_OPTIONS = {
     "snes_type": "newtonls",
@@ -34,11 +33,10 @@ FORCE_TOLERANCE = 1e-9  # force residual and load imbalance / P, where round-off
 ROUND_OFF = 4.0  # residuals are balanced this many times above the last digits' own, measured for k from -0.9 to 0
 SETTLED = 1e-11  # force residual / P above which a balanced state gets one more step: what is left of a long first one;
 # above round-off where contact states are at rest
-ROUNDS = 3  # the same change of contact states as often as this is a cycle (twice may be luck near a singular tangent)
+PATH = "path_max_it", 400  # option: steps at most of a path on which contact states change one by one
 STEP_TOLERANCE = 1e-11  # a step this small (relative) ends the iteration if round-off holds the residual up ...
 ATTAINABLE = 1e-6  # ... below this
-MOST_JUMPING = 20  # iterations of a solve in which edges jump, before another way is tried
-JUMPS = 6  # first ones of these, in which they do
+JUMPS = 6  # first iterations of a solve in which edges may jump
 
 
 @dataclass(frozen=True)
@@ -52,44 +50,6 @@ class NewtonResult:
     reason: str
     tolerance: float = FORCE_TOLERANCE  # of the residual: the attainable one where that is larger
     changes: tuple[int, ...] = ()  # points whose contact state (open, stick, slip) changed, iteration by iteration
-
-
-class System(Protocol):
-    """A linearisable system whose unknowns are a PETSc vector."""
-
-    def create_vector(self) -> PETSc.Vec:
-        """A vector of the unknowns."""
-
-    def begin(self, load, x: PETSc.Vec):
-        """Prescribe the line loads and fill ``x`` with the present state."""
-
-    def start_elsewhere(self):
-        """After ``begin``: the unknowns to start from are not those of the present state."""
-
-    def residual(self, x: PETSc.Vec, f: PETSc.Vec) -> tuple[float, float]:
-        """Fill ``f``; return the norm of the force residual and the largest load imbalance."""
-
-    def linearise(self, x: PETSc.Vec):
-        """Prepare ``solve`` at ``x``."""
-
-    def solve(self, b: PETSc.Vec, x: PETSc.Vec):
-        """x = J^-1 b; nan where J is singular."""
-
-    def multiply(self, x: PETSc.Vec, y: PETSc.Vec):
-        """y = J x."""
-
-    def finish(self, x: PETSc.Vec):
-        """Leave the state ``x`` in the problem's fields."""
-
-    def last_forces(self) -> np.ndarray:
-        """Contact forces that ``finish`` left, beyond what the fields hold; empty where they hold all."""
-
-    def take_up(self, forces: np.ndarray):
-        """Go on from fields that an earlier run's ``finish`` left with these forces."""
-
-    @property
-    def problem(self) -> ContactProblem:
-        """The contact problem behind the system."""
 
 
 def with_defaults(prefix: str, defaults: dict, configure):
@@ -163,19 +123,18 @@ class Newton:
         self._inverse = _Operator(system)
         self.snes.ksp.pc.setPythonContext(self._inverse)
         with_defaults(prefix, SNES_OPTIONS, self.snes.setFromOptions)
+        self._most_followed = PETSc.Options(prefix).getInt(*PATH)
         self._polished = False
-        self._last_force = np.inf
+        self._last_force = self._least = np.inf
+        self._best = self.x.copy()  # iterate with the least force residual
         self._scale, self._norms, self._tolerance, self._round_off = 1.0, (np.inf, np.inf), tolerance, 0.0
         self._states: np.ndarray | None = None
         self._changes: list[int] = []
-        self._seen: dict[bytes, int] = {}
         self._jumps = EdgeJumps(system.problem) if system.problem.friction else None
         self._may_jump = False
         self._imposed = system.create_vector()  # residual under imposed contact states
         self.last_steps = LastSteps()
         self._solved = None  # load of the last solve, if it converged
-        self.after_linearise = lambda: None  # called with the fields at the iterate
-        self.after_residual = lambda: False  # likewise; True where it changed the problem, whose residual is renewed
 
     def solve(self, load, predict=False, confirm=False, extrapolate=False, jump=False) -> NewtonResult:
         """Balance the line loads ``load`` (fem.load.Load), P > 0.
@@ -195,7 +154,7 @@ class Newton:
         if predict:
             with self.system.problem.safeguards.all_stick():
                 self._step()
-        self._states, self._changes, self._seen = None, [], {}
+        self._states, self._changes, self._least = None, [], np.inf
         self.snes.solve(None, self.x)
         code = self.snes.getConvergedReason()
         if code > 0 and confirm:
@@ -218,6 +177,22 @@ class Newton:
             tolerance=self._tolerance,
             changes=tuple(self._changes),
         )
+
+    def follow(self, load) -> NewtonResult:
+        """To balanced loads along the ``path`` from the best iterate of the last solve; ``solve`` is to judge."""
+        self._begin(load)
+        self._best.copy(self.x)
+        self.system.start_elsewhere()
+
+        def residual(x):
+            self._residual(self.snes, x, self._f)
+            return self._f, self._norms[0], self._balanced()
+
+        steps, arrived = follow(self.system, self.x, residual, load, self._most_followed)
+        residual(self.x)
+        self.system.finish(self.x)
+        reason = "" if arrived else f"the path does not arrive in {steps} steps"
+        return NewtonResult(arrived, steps, *self._norms, reason, self._tolerance)
 
     def has_solved(self, load) -> bool:
         """Whether the last solve was one under ``load``, and converged."""
@@ -246,7 +221,7 @@ class Newton:
         self._begin(load)
         self._residual(self.snes, self.x, self._f)
         balanced = self._balanced()
-        reason = "" if balanced else "the fixed point has not settled"
+        reason = "" if balanced else "the state does not balance the loads"
         return NewtonResult(balanced, 0, *self._norms, reason, self._tolerance)
 
     def _begin(self, load):
@@ -269,8 +244,6 @@ class Newton:
 
     def _residual(self, snes, x, f):
         force, imbalance = self.system.residual(x, f)
-        if self.after_residual():
-            force, imbalance = self.system.residual(x, f)
         self._norms = (force / self._scale, imbalance / self._scale)
 
     def _linearise(self, snes, x, jacobian, preconditioner):
@@ -286,38 +259,32 @@ class Newton:
                 self.system.linearise(x)
             self._inverse.right = self._imposed
         jacobian.assemble()
-        self.after_linearise()
 
-    def _count_changes(self) -> bool:
-        """Count the contact states that changed; True where they did the same ROUNDS times, and so will do again."""
+    def _count_changes(self):
+        """Count the contact states that changed in the last iteration."""
         states, before = self.system.problem.terms.contact_states().astype(np.int8), self._states
         self._states = states
-        if before is None:
-            return False
-        comm = self.snes.comm.tompi4py()
-        step = before.tobytes() + states.tobytes()
-        self._seen[step] = self._seen.get(step, 0) + 1
-        changed = comm.allreduce(int(np.count_nonzero(states != before)))
-        rounds = comm.allreduce(self._seen[step], MPI.MIN)
-        self._changes.append(changed)
-        return changed > 0 and rounds == ROUNDS
+        if before is not None:
+            changed = int(np.count_nonzero(states != before))
+            self._changes.append(self.snes.comm.tompi4py().allreduce(changed))
 
     def _reason(self, code):
         if code > 0:
             return ""
-        if code == PETSc.SNES.ConvergedReason.DIVERGED_INNER:
-            return f"Newton cycles: {self._changes[-1]} contact states keep changing"
         return _REASONS.get(code, f"SNES reason {code}")
 
     def _test(self, snes, iteration, norms):
         before = self._last_force
         self._last_force = self._norms[0]
-        cycles = self._count_changes()
+        if self._last_force < self._least:
+            self._least = self._last_force
+            self.x.copy(self._best)
+        self._count_changes()
         force, imbalance = self._norms
         reason = PETSc.SNES.ConvergedReason
         if not np.isfinite(norms[2]):
             return reason.DIVERGED_FNORM_NAN
-        last = iteration >= (MOST_JUMPING if self._may_jump else snes.getTolerances()[3])
+        last = iteration >= snes.getTolerances()[3]
         if self._balanced():
             settled = max(SETTLED, ROUND_OFF * self._round_off) if self._changes[-1:] == [0] else SETTLED
             if force <= settled or iteration == 0 or last or self._polished:
@@ -327,8 +294,6 @@ class Newton:
         small_step = iteration > 0 and norms[1] <= STEP_TOLERANCE * norms[0]
         # With the contact states at rest the problem is linear and one step ends it: what is left is round-off.
         at_rest = self._changes[-2:] == [0, 0] and force > before / 10
-        if cycles:
-            return reason.DIVERGED_INNER
         if (small_step or at_rest) and force <= ATTAINABLE and imbalance <= 10 * ATTAINABLE:  # a sum of many forces
             self._tolerance = max(self._tolerance, force, imbalance / 10)
             return reason.CONVERGED_SNORM_RELATIVE

@@ -5,7 +5,7 @@ from solving import coarse_simulation
 
 from simulations.indentation import DEFAULT_SCENE as INDENTATION
 
-FRICTION = {"anchor", "slid", "lagged pressure"}
+FRICTION = {"anchor", "imposed"}
 
 
 def fields(terms):
@@ -23,7 +23,7 @@ def constants(form):
 def test_friction():
     with_friction = coarse_simulation().solver.frictional
     without = coarse_simulation(INDENTATION).solver.normal
-    assert FRICTION - {"lagged pressure"} <= fields(with_friction.terms)
+    assert FRICTION <= fields(with_friction.terms)
     assert not FRICTION & fields(without.terms)
     assert constants(without.terms.forces_form) < constants(with_friction.terms.forces_form)
     assert len(without.terms.resultant_forms) == 1 and len(with_friction.terms.resultant_forms) == 2
@@ -38,7 +38,6 @@ def test_coupling():
     coupled = coarse_simulation().solver.frictional
     uncoupled = coarse_simulation(effects__coupling="false", solid__nu=0.3).solver.frictional
     assert "pressure" in fields(uncoupled.terms) and "pressure" not in fields(coupled.terms)
-    assert "lagged pressure" not in fields(uncoupled.terms)
     assert len(uncoupled.terms.resultant_forms) == 1 and len(coupled.terms.resultant_forms) == 2
 
 

@@ -8,19 +8,12 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 from running import ROOT, coarse_arguments, run_command
-from solving import (
-    coarse_simulation,
-    deviations,
-    limit_stepping,
-    of_the_closed_form,
-    solved,
-)
+from solving import coarse_simulation, deviations, solved
 
 from analytic.half_plane.linear import ContactNotConverged
 from simulations import fretting
 from simulations.fem.body import X, Y
 from simulations.indentation import DEFAULT_SCENE as INDENTATION
-from simulations.loading.stepping import SolveError
 from simulations.runs import mesh_free, reference
 from simulations.runs.comparison import compare, compare_state
 from simulations.runs.mesh_free import MeshFree
@@ -215,24 +208,6 @@ def test_pressing_starts_from_the_contact_of_its_first_load():
     mesh = {"mesh__first_layer": 0.01, "mesh__edge_facet": 0.005}
     first = next(iter(coarse_simulation(solid__k=-0.7, solid__nu=0.3, **early, **mesh).run()))
     assert first.iterations <= 15 and first.cuts == 0
-
-
-def test_a_coupled_loop_needs_the_guard_against_turning_round(monkeypatch):
-    """Strong coupling makes Newton cycle between sliding either way: with the guard no increment is halved."""
-    hard = {
-        "solid__k": -0.5,
-        "solid__nu": 0.2,
-        "mesh__facet": 0.05,
-        "mesh__edge_facet": 4e-3,
-        "mesh__first_layer": 4e-3,
-    }
-    hard |= {"mesh__growth": 1.5, "mesh__layer_growth": 1.5, "solver__increments": 6}
-    monkeypatch.setattr("simulations.runs.plan.expected_edges", of_the_closed_form)
-    limit_stepping(monkeypatch, halvings=0)
-    solved(**hard)
-    limit_stepping(monkeypatch, halvings=0, fallbacks=("Newton", "fixed point"))
-    with pytest.raises(SolveError, match="Newton cycles"):
-        solved(**hard)
 
 
 def test_friction_follows_from_the_scene():

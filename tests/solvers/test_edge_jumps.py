@@ -5,11 +5,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from mpi4py import MPI
-from solving import limit_stepping, solved
+from solving import solved
 
 from forms.contact import BACKWARD, CLOSED, DRIVEN_FORWARD, FORWARD, LIFTED, OPEN, PINNED, X, Y
 from simulations.fem.load import Load
 from simulations.solvers.edge_jumps import EdgeJumps
+from simulations.solvers.last_steps import LastSteps
 
 POINTS = np.linspace(-1.2, 1.2, 2402)
 SPACING = POINTS[1] - POINTS[0]
@@ -111,11 +112,12 @@ def test_edges_do_not_jump_to_where_they_were():
     assert 1 <= sum(nothing) <= 2
 
 
-def test_the_answer_does_not_depend_on_where_a_step_starts(monkeypatch):
-    """Every way of starting ends in the same state; the extrapolated one in fewer iterations."""
+def test_the_answer_does_not_depend_on_the_jumps(monkeypatch):
+    """Nor on where a step starts; with both there are fewer iterations."""
     keys = {"solid__k": 0.0, "solid__nu": 0.3, "solver__increments": 5}
     one = solved(**keys).history
-    limit_stepping(monkeypatch, fallbacks=("Newton", "guarded Newton", "fixed point"))
+    monkeypatch.setattr(EdgeJumps, "after", lambda *_: None)
+    monkeypatch.setattr(LastSteps, "ahead", lambda *_: 0.0)
     other = solved(**keys).history
     for a, b in zip(one.entries, other.entries, strict=True):
         for name in ("pressure", "traction"):

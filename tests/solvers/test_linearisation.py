@@ -85,13 +85,6 @@ def test_rows_of_the_compliance_matrix_and_its_products(partly_slipping, directi
     assert nodal == pytest.approx(nodal.T, abs=1e-10 * nodal.max())
 
 
-def test_lagged_pressure(partly_slipping):
-    """With friction limited by a pressure that is kept, p is not in the derivative of q."""
-    problem, load = perturbed_problem(partly_slipping, FRICTIONAL, theta=0.0), partly_slipping[-1]
-    with problem.safeguards.lagged_pressure():
-        assert relative_defect(FullSystem(problem), load, np.random.default_rng(1)) < 1e-6
-
-
 @EVERY_CASE
 def test_the_states_are_all_there(partly_slipping, directions):
     """What the differences are taken at: open and closed points, with friction also points that slide."""

@@ -4,18 +4,17 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 from running import coarse_arguments, run_command
-from solving import SHRINKING, coarse_simulation, limit_stepping, solved
+from solving import coarse_simulation, limit_stepping, solved
 
 from simulations.fem import body, edge_place
 from simulations.loading import anchors
-from simulations.loading.pinning import PinnedPoint
 from simulations.loading.stepping import SolveError
 from simulations.runs import checks
 from simulations.runs import expected_edges as edges
 from simulations.runs.limits import expected_error
 from simulations.runs.simulation import Simulation
 from simulations.scene import SceneError, make_scene
-from simulations.solvers import newton
+from simulations.solvers import newton, path
 from simulations.solvers.condensed import tangent
 from simulations.studies import stability
 from simulations.studies.stability_report import FAILED, GREEN, REFUSED, UNJUDGED, WRONG, action
@@ -41,13 +40,11 @@ def test_contact_terms_are_integrated_at_the_nodes(monkeypatch):
 
 
 def test_increments_start_with_all_points_sticking(monkeypatch):
-    """Without the predictor reversals make the tangent singular; no other safeguard is needed with it."""
-    limit_stepping(monkeypatch, halvings=0, fallbacks=("Newton",))
-    solved()
-    solve = newton.Newton.solve
+    """Where the load turns; without the predictor a coupled loop takes a quarter more iterations."""
+    coupled = {"solid__nu": 0.3, "solid__k": -0.5}
+    predicted, solve = iterations(**coupled), newton.Newton.solve
     monkeypatch.setattr(newton.Newton, "solve", lambda self, load, predict=False, **how: solve(self, load, **how))
-    with pytest.raises(SolveError, match=r"unloading.*singular"):
-        solved()
+    assert iterations(**coupled) > 1.15 * predicted
 
 
 def test_near_incompressibility_chatters_without_the_mean_stress(monkeypatch):
@@ -91,23 +88,14 @@ def test_what_round_off_leaves_of_the_load_balance_ends_a_solve():
 
 
 def test_first_contact_has_facets_enough(monkeypatch):
-    """Pressed on with little friction, few points all slide at first, and one has to be pinned; of more some stick."""
-    monkeypatch.setattr(PinnedPoint, "update", lambda self: False)
+    """Pressed on with little friction, few points all slide at first: a singular tangent. Of more some stick."""
+    monkeypatch.setattr(path, "_hold_indenter", lambda *_: False)
     scene = {"solid__k": 0.0, "solid__nu": 0.3, "load__mu": 0.003, "effects__friction_in_normal_stage": "true"}
     simulation = solved(**scene)
     assert len(simulation.history.entries) == len(simulation.schedule)
     monkeypatch.setattr(edges, "FIRST", 0.5)
     with pytest.raises(SolveError, match="singular"):
         solved(**scene)
-
-
-def test_a_cycle_ends_at_once(monkeypatch):
-    """Of contact states that creep; where edges jump there is none here."""
-    limit_stepping(monkeypatch, fallbacks=("Newton", "guarded Newton", "fixed point"))
-    scene = {"solid__nu": 0.3, "effects__friction_in_normal_stage": "true", "load__cycles": 0}
-    quick = iterations(**scene)
-    monkeypatch.setattr(newton, "ROUNDS", 10**9)
-    assert iterations(**scene) > 1.5 * quick
 
 
 def wiggles(**changes) -> float:
@@ -168,18 +156,6 @@ def test_steps_are_refined(monkeypatch):
     assert refined <= 15
     monkeypatch.setattr(tangent, "EXACT", (np.inf, np.inf))
     assert needed() > 3 * refined
-
-
-def test_last_point_that_sticks_is_pinned(monkeypatch):
-    """Under a constant Q the contact shrinks until all but one point slide, towards each other."""
-
-    def shrunk():
-        return Simulation(MPI.COMM_SELF, make_scene(SHRINKING, base=None)).run_to_end()
-
-    assert shrunk().history.entries[-1].increment.load[:2] == pytest.approx((0.5, 0.1))
-    monkeypatch.setattr(PinnedPoint, "update", lambda self: False)
-    with pytest.raises(SolveError, match="singular"):
-        shrunk()
 
 
 def test_thin_cells_are_kept():

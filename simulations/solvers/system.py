@@ -1,0 +1,49 @@
+"""What solves a load step: a system that can be linearised, whatever its unknowns are."""
+
+from typing import Protocol
+
+import numpy as np
+from petsc4py import PETSc
+
+from ..fem.contact_problem import ContactProblem
+
+
+class System(Protocol):
+    """A linearisable system whose unknowns are a PETSc vector."""
+
+    def create_vector(self) -> PETSc.Vec:
+        """A vector of the unknowns."""
+
+    def begin(self, load, x: PETSc.Vec):
+        """Prescribe the line loads and fill ``x`` with the present state."""
+
+    def start_elsewhere(self):
+        """After ``begin``: the unknowns to start from are not those of the present state."""
+
+    def residual(self, x: PETSc.Vec, f: PETSc.Vec) -> tuple[float, float]:
+        """Fill ``f``; return the norm of the force residual and the largest load imbalance."""
+
+    def linearise(self, x: PETSc.Vec):
+        """Prepare ``solve`` at ``x``."""
+
+    def solve(self, b: PETSc.Vec, x: PETSc.Vec):
+        """x = J^-1 b; nan where J is singular."""
+
+    def multiply(self, x: PETSc.Vec, y: PETSc.Vec):
+        """y = J x."""
+
+    def move_indenter(self, x: PETSc.Vec, distance: float):
+        """Add ``distance`` along the surface to the rigid displacement in ``x``."""
+
+    def finish(self, x: PETSc.Vec):
+        """Leave the state ``x`` in the problem's fields."""
+
+    def last_forces(self) -> np.ndarray:
+        """Contact forces that ``finish`` left, beyond what the fields hold; empty where they hold all."""
+
+    def take_up(self, forces: np.ndarray):
+        """Go on from fields that an earlier run's ``finish`` left with these forces."""
+
+    @property
+    def problem(self) -> ContactProblem:
+        """The contact problem behind the system."""

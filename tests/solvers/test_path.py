@@ -1,0 +1,70 @@
+"""The path of a load step on which contact states change one by one: where it leads, and where nothing else does."""
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+from solving import CYCLING, SHRINKING, coarse_simulation, limit_stepping, solved
+
+from simulations.loading.stepping import SolveError
+from simulations.runs.simulation import Simulation
+from simulations.scene import make_scene
+from simulations.solvers import newton, path
+from simulations.studies.stability import read_cases
+
+
+FORCES, INDENTER = (slice(-2), 0.1), (slice(-2, None), 0.02)  # unknowns, and by which share they are wrong
+
+
+@pytest.mark.parametrize(
+    "method, coupling, wrong",
+    [("condensed", "true", FORCES), ("condensed", "false", FORCES), ("full", "true", INDENTER)],
+)
+def test_it_leads_to_the_answer(method, coupling, wrong):
+    """A single Newton step does not."""
+    simulation = coarse_simulation(
+        solver__method=method, effects__coupling=coupling, solid__nu=0.3, mesh__facet=0.2, load__cycles=0
+    )
+    entry = simulation.run_to_end().history.entries[-1]
+    solver, load = simulation.solver._newton, entry.increment.load
+    terms, answer = simulation.solver.problem.terms, solver.x.copy()
+    forces = terms.contact_forces().copy()
+    answer.copy(solver._best)
+    unknowns, share = wrong
+    noise = np.random.default_rng(1).standard_normal(answer.local_size)
+    solver._best.array[unknowns] += share * (noise * answer.array_r)[unknowns]
+    followed = solver.follow(load)
+    assert followed.converged and followed.iterations > 5
+    assert solver.solve(load).iterations == 0
+    assert terms.contact_forces() == pytest.approx(forces, abs=1e-8 * np.abs(forces).max())
+
+
+def test_a_loop_that_cycles_without_it(monkeypatch):
+    """Under strong coupling Newton goes on between sliding either way; along the path no load step is halved."""
+    limit_stepping(monkeypatch, halvings=0)
+    solved(**CYCLING)
+    limit_stepping(monkeypatch, halvings=0, fallbacks=("jumping Newton", "Newton"))
+    with pytest.raises(SolveError, match="too many iterations"):
+        solved(**CYCLING)
+
+
+def test_where_all_points_slide_the_indenter_is_held(monkeypatch):
+    """Under a constant Q the contact shrinks until all but one point slide, towards each other."""
+
+    def shrunk():
+        return Simulation(MPI.COMM_SELF, make_scene(SHRINKING, base=None)).run_to_end()
+
+    assert shrunk().history.entries[-1].increment.load[:2] == pytest.approx((0.5, 0.1))
+    monkeypatch.setattr(path, "_hold_indenter", lambda *_: False)
+    with pytest.raises(SolveError, match="singular"):
+        shrunk()
+
+
+@pytest.mark.slow
+def test_a_path_that_leads_away_ends(monkeypatch):
+    """Contact terms that are not stable have no answer here, and no way to one."""
+    limit_stepping(monkeypatch, halvings=0)
+    unstable = read_cases(["Nitsche theta"])["Nitsche theta: theta 1, gamma0 1.0, method full, facet 0.2"]
+    with pytest.raises(SolveError, match="does not arrive") as failure:
+        Simulation(MPI.COMM_SELF, make_scene(unstable, base=None)).run_to_end()
+    steps = int(str(failure.value).partition("arrive in ")[2].split()[0])
+    assert steps < newton.PATH[1] / 2
