@@ -74,7 +74,7 @@ class ElasticBody:
             axis = fem.locate_dofs_topological(component, 1, facets.find(SYMMETRY))
             self.boundary_conditions.append(fem.dirichletbc(0.0, axis, component))
         x, s, _ = self.displacements.tabulate_dof_coordinates()[far].T
-        y = self.depth.y(np.maximum(s, 0.0))  # gmsh may place the surface at -1e-17
+        y = self.depth.y(np.maximum(s, 0.0))  # round-off may place the surface at -1e-17
         self._far_field = [far_field(x, y, Q=1.0), far_field(x, y, P=1.0)]
 
         self.strip, self.strip_cells, self.surface_measure = self._find_strip(strip)
