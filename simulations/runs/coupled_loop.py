@@ -20,7 +20,7 @@ from ..scene.scaling import Scaled
 from .expected_edges import TURNED, ExpectedEdges, several, stops_at
 
 LOWEST, HIGHEST = -0.5, 0.7  # k for which the accuracy in docs/coupling_kernel.md is meant
-FINE = {1: 2e-3, 2: 2e-3, 3: 0.02}  # by degree: largest facets at edges, over a, that gain from better edges
+FINE = {1: 2e-3, 2: 0.02, 3: 0.02}  # by degree: smaller facets at edges, over a, gain from better edges
 MERGED = 0.5  # smallest facets between edges, below which both have one place
 
 
@@ -43,7 +43,7 @@ def states_of(loop: CoupledLoop, loads: tuple[tuple[float, float], ...]) -> list
 
 def grades(scene: Scene, effects: Effects) -> bool:
     """True where the mesh is graded to the edges of this solution: with larger facets rough edges do as well."""
-    return scene.is_loop and serves(scene, effects) and scene.cell_sizes["edge_facet"] <= FINE[scene.mesh.degree]
+    return scene.is_loop and serves(scene, effects) and scene.cell_sizes["edge_facet"] < FINE[scene.mesh.degree]
 
 
 def loop_edges(scene: Scene, scaled: Scaled, mu: float, loads: Sequence[Load]) -> ExpectedEdges | None:

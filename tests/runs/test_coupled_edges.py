@@ -57,7 +57,7 @@ def test_no_solution_leaves_the_rough_edges(monkeypatch):
     assert grades(asked.scene, asked.effects)
     assert coupled_loop.loop_edges(asked.scene, asked.scaled, asked.mu, [step.load for step in asked.schedule]) is None
     assert asked.grading().stops == ()
-    coarse = plan("mesh.edge_facet=0.01")
+    coarse = plan("mesh.edge_facet=0.02")
     assert not grades(coarse.scene, coarse.effects)
 
 
