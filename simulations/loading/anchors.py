@@ -26,32 +26,15 @@ from forms.contact import CLOSED, OPEN
 
 from ..fem.contact_problem import ContactProblem
 from ..fem.surface_points import AllPoints
+from .contact_points import BESIDE, Surface, edge_of_contact, open_points
+from .stopped_points import anchors_of_stopped
 
 # r is measured between two distances from the edge, in units of its motion in the step. The further out, the better a
 # wrong r is seen; the closer, the more it is the edge's own. Without coupling r is the same everywhere.
 COUPLED, UNCOUPLED = (0.1, 0.6), (0.5, 2.0)
-BESIDE = 8  # points beside the edge, whose displacement has the error of the facet that it cuts
 STEPS = 0.3, 3.0  # shortest and longest step of the secant method, over the defect
-CUT = 4  # points that reach over the facet which an edge of contact cuts
-DRAWN = 0.3  # least length of an edge's curve up to now, over that in this step, from which it goes on
-SLIVER = 0.06  # least width of a band of slip that an edge of stick draws through, over how far that of contact came
-FOLLOWS = 2.0  # times as far as the edge of contact that of stick goes which follows it; further it goes in a reversal
 PATIENT = 5  # solves after which edges of stick draw, though the ratios have not settled
-SAME = 1e-12  # of the contact half-width: points this close are one node's
 SIDES = (-1, 1)  # left, right
-
-
-@dataclass(frozen=True)
-class Surface:
-    """Of the surface points sorted by x (n,): contact states, anchors (s where a point is open), clearances."""
-
-    states: np.ndarray
-    s: np.ndarray
-    clearance: np.ndarray
-
-    def at(self, which) -> "Surface":
-        """The same for some of the points."""
-        return Surface(self.states[which], self.s[which], self.clearance[which])
 
 
 class EnteringPoints:
@@ -85,7 +68,7 @@ class EnteringPoints:
         states = np.where((clearance > 0) | is_first_contact, OPEN, states)
         self._before = Surface(*map(self._points.gathered, (states, memory.anchors(), clearance)))
         self._ratios = {side: Ratio(ratio.value) for side, ratio in self._ratios.items()}
-        self._draws, self._solves = False, 0
+        self._draws, self._solves, self._curves = False, 0, {}
         self._began = dict.fromkeys(SIDES, np.nan)
         self._after = None  # type: ignore[assignment]
         self._stuck = np.full(len(self._x), np.nan) if stuck is None else stuck(self._x)
@@ -113,7 +96,10 @@ class EnteringPoints:
         if self._draws:
             for side in SIDES:
                 start = self._start[side]
-                stopped, positions, self._began[side] = anchors_of_stopped(self._x, before, after, side, touch, start)
+                curve = anchors_of_stopped(self._x, before, after, side, touch, start)
+                if len(curve[0]) or side not in self._curves:  # what sticks because of a curve is no reason to drop it
+                    self._curves[side] = curve
+                stopped, positions, self._began[side] = self._curves[side]
                 new[stopped] = positions
             change = self._change(new, old)
         if change <= settled:
@@ -211,14 +197,6 @@ class Advance:
         return cls(start, side * (end - start), side * (start - far))
 
 
-def edge_of_contact(x, states, side: int) -> float:
-    """Half way from the last node in contact on a side to the next, of points (n,) at x."""
-    contact = np.flatnonzero(states != OPEN)
-    last = x[contact[-1] if side > 0 else contact[0]]
-    beyond = np.searchsorted(x, last + SAME) if side > 0 else np.searchsorted(x, last - SAME) - 1
-    return float(last + x[np.clip(beyond, 0, len(x) - 1)]) / 2
-
-
 def measure(
     x, before: Surface, after: Surface, ratios: dict[int, Ratio], window, beside: int, edge: StuckEdge | None = None
 ):
@@ -262,75 +240,3 @@ def anchors_of_entering(
         if np.any(passed):
             r[passed] = edge.turned(r[passed], side * edge.angle(distance[passed], way.length, way.width))
     return np.where(before.states == OPEN, before.s + r * before.clearance, before.s)
-
-
-def anchors_of_stopped(x, before: Surface, after: Surface, side: int, touch, start: float) -> tuple:
-    """Indices and anchors of points that stick now but slid before, or were open, as those beyond them slide now.
-
-    They lie on one side of the contact, from the edge of stick inwards. Where it is now the edge tells where points
-    stop, and so do those that stuck before: the anchors between lie on a smooth curve through both, where the edge has
-    drawn one since ``start`` (nan: it has not), or begins to as it leaves the old edge of contact. Else points go on
-    from where they were, or ``touch`` (n,), the further the closer they are to the edge. Third: from where on there is
-    a curve now; nan without points.
-    """
-    contact = np.flatnonzero(after.states != OPEN)
-    outwards = contact if side > 0 else contact[::-1]
-    states, old = after.states[outwards], before.states[outwards]
-    sliding = leading(states[::-1] == states[-1]) if states[-1] != CLOSED else 0
-    edge = len(outwards) - sliding
-    new = (old == OPEN) | (old == states[-1])  # some may slide still, for no other reason than their old anchors
-    first = edge - leading(new[:edge][::-1])
-    none = outwards[:0], np.zeros(0), np.nan
-    if not 0 < sliding < len(outwards) or first == edge or states[edge - 1] != CLOSED:
-        return none
-    stopped, outer = outwards[first:edge], outwards[edge]
-    if np.all(before.states == OPEN):  # the contact started from a point, under an indenter that is a power there
-        tip = float(x[np.argmin(before.clearance)])
-        share = before.clearance / before.clearance[outer]
-        stopped = stopped[side * x[stopped] > side * tip]
-        return stopped, after.s[outer] * share[stopped], tip
-    was = x[before.states != OPEN]
-    moved = abs(x[outwards[-1]] - (was[-1] if side > 0 else was[0]))
-    if abs(edge_of_contact(x, after.states, side) - (x[outer] + x[outwards[edge - 1]]) / 2) < SLIVER * moved:
-        return none  # the contact sticks up to its edge, but for what the facet there makes of it
-    passed = np.count_nonzero(old[first:edge] == OPEN)  # by the edge of contact
-    reverses = edge - first > passed and abs(x[stopped[-1]] - x[stopped[0]]) > FOLLOWS * moved
-    if reverses and passed == 0:  # what slid stops where it is
-        return none
-    begins = reverses or np.isnan(start) and passed >= edge - first - CUT
-    if begins:
-        first = max(edge - passed - CUT, 0)
-        stopped = outwards[first:edge]
-    if first == 0:
-        return none
-    inner = outwards[first - 1]
-    if begins:
-        further = outwards[max(first - 1 - BESIDE, 0)], outwards[edge + min(BESIDE, sliding // 2)]
-        return stopped, smooth(x, after.s, [inner, outer, *further], x[stopped]), float(x[inner])
-    length, drawn = abs(x[outer] - x[inner]), side * (x[inner] - start)
-    if not drawn >= DRAWN * length:
-        share = (x[stopped] - x[inner]) / (x[outer] - x[inner])
-        began = start if np.isfinite(start) else float(x[inner])
-        return stopped, touch[stopped] + (after.s[outer] - touch[outer]) * share, began
-    behind = outwards[np.argmin(np.abs(x[outwards] - (x[inner] - side * min(length, drawn))))]
-    return stopped, smooth(x, after.s, [behind, inner, outer], x[stopped]), start
-
-
-def smooth(x, values, support: list, at) -> np.ndarray:
-    """At points ``at`` the polynomial through those ``values`` of points (n,) at x that ``support`` lists."""
-    nodes = np.sort(x[support])
-    nodes = nodes[np.diff(nodes, prepend=-np.inf) > SAME]
-    return np.polynomial.Polynomial.fit(nodes, values[np.searchsorted(x, nodes)], len(nodes) - 1)(at)
-
-
-def leading(mask) -> int:
-    """Number of True before the first False."""
-    return len(mask) if np.all(mask) else int(np.argmin(mask))
-
-
-def open_points(states: np.ndarray, side: int) -> np.ndarray:
-    """Indices of the open points beyond the contact's edge on one side, from there outwards; all without contact."""
-    contact = np.flatnonzero(states != OPEN)
-    middle = len(states) // 2
-    left, right = (contact[0], contact[-1] + 1) if len(contact) else (middle, middle)
-    return np.arange(right, len(states)) if side > 0 else np.arange(left)[::-1]

@@ -6,14 +6,9 @@ import pytest
 from analytic import GradedHalfPlane
 from analytic.stuck_edge import StuckEdge
 from forms.contact import BACKWARD, CLOSED, FORWARD, OPEN
-from simulations.loading.anchors import (
-    CUT,
-    Ratio,
-    Surface,
-    anchors_of_entering,
-    anchors_of_stopped,
-    measure,
-)
+from simulations.loading.anchors import Ratio, anchors_of_entering, measure
+from simulations.loading.contact_points import BESIDE, Surface
+from simulations.loading.stopped_points import CUT, OUT, anchors_of_stopped
 
 X = np.linspace(-1.5, 1.5, 121)
 
@@ -160,3 +155,40 @@ def test_where_the_edge_of_stick_begins_to_draw_points_go_on_from_where_they_wer
         inner, outer = side * start, np.abs(X)[np.abs(X) > 0.61].min()
         assert inner == pytest.approx(0.41, abs=X[1] - X[0])
         assert anchors == pytest.approx(was[points] + 0.3 * (np.abs(X[points]) - inner) / (outer - inner))
+
+
+def test_points_that_stop_between_those_that_slide_out_and_back_lie_on_a_smooth_curve():
+    """All slid outwards beyond 0.3; now those up to 0.6 slide back, and those beyond 0.8 slide outwards still."""
+    curve = X**3 - X
+    before, after = touching(0.75, s=curve, stick=0.3), touching(1.0, s=curve, stick=0.8)
+    back = (np.abs(X) > 0.3) & (np.abs(X) < 0.6)
+    after.states[back] = np.where(X[back] > 0, FORWARD, BACKWARD)
+    stop = (np.abs(X) >= 0.6) & (np.abs(X) <= 0.8)
+    after.s[stop] = 9.0  # where they are anchored now does not matter
+    for side in (-1, 1):
+        points, anchors, start = anchors_of_stopped(X, before, after, side, before.s, 0.25 * side)
+        assert np.array_equal(np.sort(points), np.flatnonzero(stop & (side * X > 0)))
+        assert anchors == pytest.approx(curve[points], abs=1e-12)
+        assert start == 0.25 * side
+
+
+@pytest.mark.parametrize("stick", [1.0, 0.985])
+def test_points_that_slid_at_the_old_edge_of_a_contact_that_sticks_lie_on_the_curve_of_their_neighbours(stick):
+    """Only the facet that the edge had cut let them slide. A band of slip as narrow at the edge now changes nothing."""
+    curve = X**3 - X
+    before, after = touching(0.5, s=curve, stick=0.45), touching(1.0, s=curve, stick=stick)
+    touch = np.where((np.abs(X) > 0.45) & (np.abs(X) < 0.55), 9.0, curve)  # has the error of that facet
+    for side in (-1, 1):
+        points, anchors, start = anchors_of_stopped(X, before, after, side, touch, np.nan)
+        assert np.count_nonzero(np.abs(X[points]) > 0.51) == OUT
+        assert np.abs(X[points]).min() > 0.45
+        assert anchors == pytest.approx(curve[points], abs=1e-12)
+        assert np.isnan(start)
+
+
+def test_points_that_slid_in_a_band_wider_than_a_facet_stay_where_a_contact_sticks_up_to_its_edge():
+    before, after = touching(0.5, stick=0.5 - (CUT + 1.5) * (X[1] - X[0])), touching(1.0)
+    few = touching(0.5 + (BESIDE - 1) * (X[1] - X[0]))  # too few have entered to draw a curve
+    for side in (-1, 1):
+        assert len(anchors_of_stopped(X, before, after, side, before.s, np.nan)[0]) == 0
+        assert len(anchors_of_stopped(X, touching(0.5, stick=0.45), few, side, before.s, np.nan)[0]) == 0
