@@ -167,7 +167,7 @@ def create_mesh(comm, x: np.ndarray, s: np.ndarray):
     mesh, _, facets = gmshio.model_to_mesh(gmsh.model, comm, 0, gdim=2, partitioner=_by_columns(comm, x))
     if comm.rank == 0:
         gmsh.finalize()
-    # gmsh places nodes to round-off of the domain. Slender cells beside the axis, whose halves are to be alike, need more.
+    # gmsh places nodes to round-off of the domain. Slender cells beside the axis, whose halves are alike, need more.
     for direction, exact in enumerate((x, s)):
         between = (exact[1:] + exact[:-1]) / 2
         mesh.geometry.x[:, direction] = exact[np.searchsorted(between, mesh.geometry.x[:, direction])]

@@ -52,6 +52,7 @@ class EnteringPoints:
         self._after: Surface = None  # type: ignore[assignment]  # as last measured
         self._draws = False  # anchors points that stop where the edge of stick drew them
         self._solves = 0  # of this step
+        self._curves: dict[int, tuple] = {}  # of points that stop, drawn in this step; by side
         self._stuck: np.ndarray = None  # type: ignore[assignment]  # where points stick, as far as it is known
         # from where on the edges of stick drew their curves: before a step, and after it; nan where they did not
         self._start = self._began = dict.fromkeys(SIDES, np.nan)

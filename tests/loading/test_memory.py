@@ -169,7 +169,7 @@ def test_pressing_with_friction_where_points_in_stick_are_not_known():
 @pytest.mark.slow
 @pytest.mark.parametrize("mu, amplitude, facet", [(0.55, 0.15, 0.003), (0.4, 0.2, 0.004)])
 def test_tractions_do_not_zigzag_where_the_edge_of_contact_has_been(mu, amplitude, facet):
-    """Points at its old place slide for a moment, and some of a curve stick up to the edge. Zigzags were 20 and 14 %."""
+    """Points at its old place slide for a moment, and those of a curve may stick up to it. Zigzags were 20 and 14 %."""
     load = {"load.mu": mu, "load.amplitude": amplitude, "solver.increments": 2, "mesh.edge_facet": facet}
     solid = {"solid.modulus": "power law", "solid.k": -0.2, "solid.nu": -0.2, "solid.y0_over_a0": 10.0}
     simulation = Simulation(MPI.COMM_SELF, make_scene(LOOP | solid | load, base=None)).run_to_end()
