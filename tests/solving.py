@@ -18,8 +18,9 @@ SHRINKING = read_cases(["reversals at every level"])["reversals at every level: 
 }
 
 # Coupling and friction so strong that Newton's method does not end on reloading.
-CYCLING = {"solid__k": -0.5, "solid__nu": 0.3, "load__mu": 1.0, "solver__increments": 2, "mesh__facet": 0.05}
-CYCLING |= {"mesh__edge_facet": 0.01, "mesh__first_layer": 0.02, "mesh__layer_growth": 1.6, "mesh__growth": 1.3}
+CYCLING = {"solid__k": -0.5, "solid__nu": 0.3, "load__mu": 2.0, "load__amplitude": 0.9999, "solver__increments": 2}
+CYCLING |= {"mesh__degree": 1, "mesh__facet": 0.05, "mesh__edge_facet": 0.004, "mesh__first_layer": 0.004}
+CYCLING |= {"mesh__growth": 1.3, "mesh__layer_growth": 1.6}
 
 
 def coarse_simulation(text=DEFAULT_SCENE, cells=None, like=None, **changes) -> Simulation:
