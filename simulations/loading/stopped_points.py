@@ -35,11 +35,16 @@ def anchors_of_stopped(x, before: Surface, after: Surface, side: int, touch, sta
     first = edge - leading(new[:edge][::-1])
     none = outwards[:0], np.zeros(0), np.nan
     if not sliding:  # the contact sticks up to its edge
-        return *anchors_beside_old_edge(x, old, states, outwards, touch), np.nan
+        return anchors_beside_old_edge(x, old, states, outwards, touch)
     if sliding == len(outwards) or first == edge or states[edge - 1] != CLOSED:
         return none
     stopped, outer = outwards[first:edge], outwards[edge]
-    beyond = outwards[edge + min(BESIDE, sliding // 2)]
+
+    def joined(first):  # cubic through points on both sides of those from ``first`` to the edge
+        inside, outside = outwards[max(first - 1 - BESIDE, 0)], outwards[edge + min(BESIDE, sliding // 2)]
+        stopped = outwards[first:edge]
+        return stopped, smooth(x, after.s, [inside, outwards[first - 1], outer, outside], x[stopped])
+
     if np.all(before.states == OPEN):  # the contact started from a point, under an indenter that is a power there
         tip = float(x[np.argmin(before.clearance)])
         share = before.clearance / before.clearance[outer]
@@ -49,13 +54,11 @@ def anchors_of_stopped(x, before: Surface, after: Surface, side: int, touch, sta
     moved = abs(x[outwards[-1]] - (was[-1] if side > 0 else was[0]))
     if abs(edge_of_contact(x, after.states, side) - (x[outer] + x[outwards[edge - 1]]) / 2) < SLIVER * moved:
         # it sticks up to its edge, but for what the facet there makes of it
-        return *anchors_beside_old_edge(x, old, states, outwards, touch), np.nan
+        return anchors_beside_old_edge(x, old, states, outwards, touch)
     still = edge - leading(states[:edge][::-1] == CLOSED)
     slides_back = leading(states[first:still][::-1] == 2 * CLOSED - states[-1]) > CUT
     if slides_back and abs(x[outwards[still]] - x[outer]) < moved:  # what slid soon slides the other way
-        stopped, inner = outwards[still:edge], outwards[still - 1]
-        further = outwards[max(still - 1 - BESIDE, 0)], beyond
-        return stopped, smooth(x, after.s, [inner, outer, *further], x[stopped]), start
+        return *joined(still), start
     passed = np.count_nonzero(old[first:edge] == OPEN)  # by the edge of contact
     reverses = edge - first > passed and abs(x[stopped[-1]] - x[stopped[0]]) > FOLLOWS * moved
     if reverses and passed == 0:  # what slid stops where it is
@@ -63,13 +66,11 @@ def anchors_of_stopped(x, before: Surface, after: Surface, side: int, touch, sta
     begins = reverses or np.isnan(start) and passed >= edge - first - CUT
     if begins:
         first = max(edge - passed - CUT, 0)
-        stopped = outwards[first:edge]
     if first == 0:
         return none
     inner = outwards[first - 1]
     if begins:
-        further = outwards[max(first - 1 - BESIDE, 0)], beyond
-        return stopped, smooth(x, after.s, [inner, outer, *further], x[stopped]), float(x[inner])
+        return *joined(first), float(x[inner])
     length, drawn = abs(x[outer] - x[inner]), side * (x[inner] - start)
     if not drawn >= DRAWN * length:
         share = (x[stopped] - x[inner]) / (x[outer] - x[inner])
@@ -84,13 +85,15 @@ def anchors_beside_old_edge(x, old, states, outwards, touch) -> tuple:
 
     The facet that it cut had let a point or two slide, which stick now: they lie on a smooth curve through those
     inside, and through those further out where they would ``touch`` (n,). states, old: of the points ``outwards``.
+    Third: nan, as the edge of stick draws no curve.
     """
     was = len(old) - leading(old[::-1] == OPEN)
     first, end = was - leading(old[:was][::-1] != CLOSED), was + OUT
     inner, outer = max(first - 1 - BESIDE, 0), end + BESIDE
     if not 0 < first < was <= first + CUT or outer >= len(old) or np.any(states[inner:outer] != CLOSED):
-        return outwards[:0], np.zeros(0)
-    return outwards[first:end], smooth(x, touch, outwards[[inner, first - 1, end, outer]], x[outwards[first:end]])
+        return outwards[:0], np.zeros(0), np.nan
+    stopped = outwards[first:end]
+    return stopped, smooth(x, touch, outwards[[inner, first - 1, end, outer]], x[stopped]), np.nan
 
 
 def smooth(x, values, support: list, at) -> np.ndarray:
