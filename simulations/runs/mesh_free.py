@@ -20,7 +20,8 @@ Tell = Callable[[int, int], None]  # load steps done, and all of them
 NODES = (400, 300)  # the next number is tried where one does not converge
 FINER = 2  # load steps of the reference for one of the run: what depends on the steps is not shared
 LEAST = 8  # load steps from point to point of a path: with fewer the error does not yet fall like the step
-COARSER_NODES = (300, 200)  # and half of the load steps, for an estimate of the reference's error
+FEWER_NODES = (200, 150)  # with more load steps: their error is then what counts, and a load step costs a fifth
+COARSER = 0.75  # nodes for one, and half of the load steps, for an estimate of the reference's error
 
 
 class NoReference(RuntimeError):
@@ -69,7 +70,8 @@ class MeshFree:
         self._states = [states[place] for place in places]
         self._schedule = simulation.schedule
         self._energy = self._dissipated(simulation.pressing_with_friction())
-        self.coarser = MeshFree(simulation, nodes=COARSER_NODES, finer=finer // 2) if estimated else None
+        coarser = tuple(int(COARSER * count) for count in nodes)
+        self.coarser = MeshFree(simulation, nodes=coarser, finer=finer // 2) if estimated else None
 
     def _at(self, entry: Entry) -> ContactState:
         return self._states[entry.number]

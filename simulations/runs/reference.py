@@ -11,13 +11,13 @@ import numpy as np
 from .checks import ERRORS
 from .comparison import Reference, own_errors
 from .coupled_loop import grades, serves
-from .mesh_free import FINER, MeshFree, NoReference, Tell, steps_for_one
+from .mesh_free import FEWER_NODES, FINER, MeshFree, NoReference, Tell, steps_for_one
 from .simulation import Simulation
 from .springs import Springs
 from .step_free import StepFree
 from .stretched import StretchedForm
 
-HALVINGS = 2  # of the load steps of a mesh-free solution that is known too badly to judge a run
+HALVINGS = 3  # of the load steps of a mesh-free solution that is known too badly to judge a run
 ROUGH_TIMES, ROUGH_INCREMENTS = 20.0, 20  # of an increment over one of the rough edges' of a loop, which makes so many
 
 
@@ -71,17 +71,25 @@ def of_same_physics(simulation: Simulation, tell: Tell | None = None) -> Referen
 
 
 def _mesh_free(simulation, tell) -> MeshFree:
-    """With its error, which falls like its load steps: with more of these, should it be larger than a run's may be."""
+    """With its error, which mostly falls like its load steps: with more of these, should it be larger than a run's may
+    be and they help.
+    """
     reference = MeshFree(simulation, tell, estimated=True)
-    own = own_errors(simulation.history, reference)
-    excess = np.nanmax([error / ERRORS[name] for name, error in own.items() if name in ERRORS])
+    excess = _excess(simulation, reference)
     if not excess > 1.0:
         return reference
     finer = reference.finer * 2 ** min(ceil(log2(excess)), HALVINGS)
     try:
-        return MeshFree(simulation, tell, finer=finer, estimated=True)
+        other = MeshFree(simulation, tell, FEWER_NODES, finer, estimated=True)
     except NoReference:
         return reference
+    return other if _excess(simulation, other) < excess else reference
+
+
+def _excess(simulation, reference) -> float:
+    """Largest of a reference's own errors, over what a run's may be."""
+    own = own_errors(simulation.history, reference)
+    return np.nanmax([error / ERRORS[name] for name, error in own.items() if name in ERRORS])
 
 
 def describe(reference: Reference, simulation: Simulation) -> str:

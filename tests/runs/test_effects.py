@@ -2,6 +2,7 @@
 
 import csv
 import json
+from types import SimpleNamespace
 
 import h5py
 import numpy as np
@@ -147,6 +148,22 @@ def test_half_plane_solver_is_tried_with_fewer_nodes(monkeypatch):
     monkeypatch.setattr(mesh_free, "half_plane_solver", failing_above(0))
     with pytest.raises(reference.NoReference, match=f"with {most} nodes"):
         MeshFree(simulation)
+
+
+@pytest.mark.parametrize("error, kept", [(0.06, 8), (0.3, 2), (None, 2)])
+def test_more_load_steps_of_the_reference_are_kept_only_where_they_help(monkeypatch, error, kept):
+    """Its q is off by 25 % with two for one, where 10 % are allowed: so by four times as many on fewer nodes."""
+    simulation, errors = SimpleNamespace(history=None), {2: 0.25, 8: error}
+
+    def solution(simulation, tell, nodes=mesh_free.NODES, finer=2, estimated=True):
+        assert nodes == {2: mesh_free.NODES, 8: mesh_free.FEWER_NODES}[finer]
+        if errors[finer] is None:
+            raise reference.NoReference("it does not converge")
+        return SimpleNamespace(finer=finer)
+
+    monkeypatch.setattr(reference, "MeshFree", solution)
+    monkeypatch.setattr(reference, "own_errors", lambda history, found: {"traction_l2": errors[found.finer]})
+    assert reference._mesh_free(simulation, None).finer == kept
 
 
 def default_mesh(**changes) -> Simulation:
