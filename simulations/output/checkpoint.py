@@ -33,14 +33,14 @@ if TYPE_CHECKING:
     from ..runs.simulation import Simulation
 
 FOLDER, SCENE = "checkpoint", "scene.toml"
-NODAL = ("pressure", "traction", "u", "delta", "neglected")
+SURFACE = ("pressure", "traction", "u", "delta", "neglected", "elastic")  # of a SurfaceState
 SCALARS = ("iterations", "cuts", "residual", "imbalance", "seconds", "tolerance")
 
 
 def record(n: int) -> np.dtype:
-    """One increment: nodal values (n,) of a SurfaceState and what it took."""
+    """One increment: a SurfaceState of n nodes and what it took."""
     fields = [("pressure", "f8", n), ("traction", "f8", n), ("u", "f8", (2, n)), ("delta", "f8", 2)]
-    fields.append(("neglected", "f8", n))
+    fields += [("neglected", "f8", n), ("elastic", "f8")]
     return np.dtype(fields + [(name, "f8") for name in SCALARS])
 
 
@@ -179,7 +179,7 @@ def restore(saved: Saved, simulation: Simulation):
         return
     sampler, solver, done = simulation.sampler, simulation.solver, simulation.schedule[: saved.increments]
     for increment, row, changes in zip(done, saved.states, saved.changes, strict=True):
-        surface = SurfaceState(sampler.x, sampler.weight, **{name: row[name].copy() for name in NODAL})
+        surface = SurfaceState(sampler.x, sampler.weight, **{name: row[name].copy() for name in SURFACE})
         numbers = int(row["iterations"]), float(row["residual"]), float(row["imbalance"])
         result = NewtonResult(True, *numbers, "", float(row["tolerance"]), changes)
         simulation.history.append(Outcome(increment, (result,), int(row["cuts"])), surface, float(row["seconds"]))
@@ -201,7 +201,7 @@ def is_complete(folder: Path) -> bool:
 def _row(entry: Entry) -> bytes:
     """The record of an increment."""
     row = np.zeros((), record(entry.surface.x.size))
-    for name in NODAL:
+    for name in SURFACE:
         row[name] = getattr(entry.surface, name)
     for name in SCALARS:
         row[name] = getattr(entry, name)

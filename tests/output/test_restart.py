@@ -27,6 +27,7 @@ SCENES = {
         "output__lines": "[[0, 0, 1e-3, 2e-3, 5]]",
     },
     "bulk strain": {"solid__nu": 0.3, "load__bulk_strain": 3e-4, "load__bulk_phase": 60},
+    "elastic slip": {"solid__nu": 0.3, "effects__elastic_slip": 3e-6},
     "mixed": {"solid__nu": 0.5, "solid__k": -0.1},
     "friction first": {
         "solid__nu": 0.3,
