@@ -41,11 +41,3 @@ def test_importing_the_package_loads_no_solver():
     """The commands set PETSc up first; a look at the scene language needs none of it."""
     code = "import sys, simulations; assert not {'dolfinx', 'petsc4py', 'numpy'} & set(sys.modules)"
     assert run(sys.executable, "-c", code).returncode == 0
-
-
-def test_folders_know_only_what_they_may():
-    """forms/ is UFL alone and analytic/ numpy and scipy; neither knows the other or the drivers."""
-    forbidden = {"forms": "analytic|simulations|dolfinx|petsc4py", "analytic": "forms|simulations|dolfinx|petsc4py|ufl"}
-    for folder, names in forbidden.items():
-        for path in (ROOT / folder).glob("*.py"):
-            assert not re.search(rf"^\s*(from|import) ({names})\b", path.read_text(), re.M), path

@@ -40,9 +40,9 @@ class SlipMemory:
         """Where this rank's points are anchored (m,)."""
         return self.anchor.x.array[self.points.dofs]
 
-    def move_anchors(self, which: np.ndarray, positions: np.ndarray):
-        """Anchor those of this rank's points (bool (m,)) at these positions (m,)."""
-        self.anchor.x.array[self.points.dofs[which]] = positions[which]
+    def move_anchors(self, positions: np.ndarray):
+        """Anchor this rank's points at these positions (m,)."""
+        self.anchor.x.array[self.points.dofs] = positions
         self.anchor.x.scatter_forward()
 
     def save(self) -> tuple[np.ndarray, np.ndarray]:

@@ -159,8 +159,7 @@ class EnteringPoints:
         self._put(anchors)
 
     def _put(self, anchors):
-        mine = self._points.mine(anchors)
-        self._problem.memory.move_anchors(np.ones(len(mine), bool), mine)
+        self._problem.memory.move_anchors(self._points.mine(anchors))
 
 
 class Ratio:

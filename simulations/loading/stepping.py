@@ -37,12 +37,11 @@ class SolveError(RuntimeError):
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a load step took: all solves, halvings, and the names of the ways of solving that it came to."""
+    """What a load step took: all solves, and halvings."""
 
     step: LoadStep
     results: tuple[NewtonResult, ...] = ()
     cuts: int = 0
-    ways: tuple[str, ...] = ()
 
     @property
     def iterations(self) -> int:
@@ -78,7 +77,6 @@ class LoadStepping:
         self._newton: Newton = None  # type: ignore[assignment]  # made when the stage begins
         self._normal_newton: Newton = None  # type: ignore[assignment]
         self._results: list[NewtonResult] = []
-        self._ways: list[str] = []
 
     def configure(self, **changes):
         """Other ``options``, by name."""
@@ -116,15 +114,15 @@ class LoadStepping:
             self._newton = self._start(self.problem)
         pressed = _pressed_first(schedule) if self._stuck else 0
         for number, step in enumerate(schedule[done:], done):
-            self._results, self._ways = [], []
+            self._results, cuts = [], 0
             if number >= pressed:
                 self._stuck = None
             if self.problem is not self.frictional and (step.branch != "normal" or self._friction_first):
                 if self._friction_first:  # the frictionless contact of the first step is where Newton starts
-                    self._advance(before, step.load, step.branch)
+                    cuts = self._advance(before, step.load, step.branch)
                 self._begin_friction()
-            cuts = self._advance(before, step.load, step.branch)
-            yield Outcome(step, tuple(self._results), cuts, tuple(dict.fromkeys(self._ways)))
+            cuts += self._advance(before, step.load, step.branch)
+            yield Outcome(step, tuple(self._results), cuts)
             before = step.load
 
     @property
@@ -176,14 +174,14 @@ class LoadStepping:
         cuts = self._advance(before, middle, branch, depth + 1)
         return 1 + cuts + self._advance(middle, after, branch, depth + 1)
 
-    def _solve(self, load: Load) -> list[NewtonResult]:
-        """What the ways of solving ended with, in order, up to the first that converged."""
+    def _solve(self, load: Load, newton: Newton | None = None) -> list[NewtonResult]:
+        """What the ways of solving ended with, in order, up to the first that converged; newton: the stage's own."""
+        newton = newton or self._newton
         saved, tried = self._save(), []
         for way in FALLBACKS:
-            if way.name in self.options.fallbacks and way.applies(self.problem):
-                results = way.solve(self._newton, load, self.options)
+            if way.name in self.options.fallbacks and way.applies(newton.system.problem):
+                results = way.solve(newton, load, self.options)
                 self._results += results
-                self._ways.append(way.name)
                 tried.append(results[-1])
                 if results[-1].converged:
                     break
@@ -197,7 +195,9 @@ class LoadStepping:
         clearance = self._first_clearance() if first_contact else self._clearance()
         entering.begin(clearance, first_contact, partial(self._stuck, after.P) if self._stuck else None)
         if self._is_uncoupled:
-            self._renew_pressure(after)
+            tried = self._renew_pressure(after)
+            if not tried[-1].converged:
+                return tried
         tried = self._solve(after)
         for _ in range(options.anchor_passes):
             if not tried[-1].converged:
@@ -229,15 +229,14 @@ class LoadStepping:
         self.body.state.x.array[:], self.body.delta.value[:] = state, rigid
         return height
 
-    def _renew_pressure(self, load: Load):
+    def _renew_pressure(self, load: Load) -> list[NewtonResult]:
         """Without coupling: the frictionless contact under a new P, beneath an unchanged tangential problem."""
         tangential = self.problem.held.remove_tangential()
-        result = self._normal_newton.solve(Load(load.P), confirm=self.options.confirm)
-        self._results.append(result)
-        if not result.converged:
-            raise SolveError(f"no frictionless contact at P = {load.P:.4g}: {result.reason}")
-        self.problem.hold_pressure(self.normal)
-        self.body.state.x.array[:] += tangential
+        tried = self._solve(Load(load.P), self._normal_newton)
+        if tried[-1].converged:
+            self.problem.hold_pressure(self.normal)
+            self.body.state.x.array[:] += tangential
+        return tried
 
     def _save(self):
         problem = self.problem

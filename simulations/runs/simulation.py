@@ -32,7 +32,6 @@ from .limits import (
     check_size,
     too_wide,
 )
-from .plan import Plan
 from .reuse import Meshed, why_not
 from .timing import Stopwatch
 
@@ -226,8 +225,3 @@ def failure_in_si(simulation: Simulation, reason) -> str:
     keys = ", ".join(f"load.{name} = {value:g}" for name, value in scene.load if name in ("P", "amplitude", "mu"))
     place = f"load step {number + 1} of {len(simulation.schedule)}, {step.branch}"
     return f"{loads} ({place}; {keys or 'load.points'}): {getattr(reason, 'reason', reason)}"
-
-
-def reuse_reason(previous: Simulation, scene: Scene) -> str | None:
-    """Why the body of ``previous`` does not do for ``scene`` (``like`` of a Simulation); None where it does."""
-    return why_not(previous, Plan(scene, Stopwatch()))

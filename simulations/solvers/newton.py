@@ -28,7 +28,7 @@ BULK_OPTIONS = {
     "mat_mumps_icntl_7": 6,  # QAMD ordering: beats the automatic choice on graded meshes
     "mat_mumps_icntl_14": 60,  # working space, per cent
 }
-BULK_PREFIX = "fretting_bulk_"
+PREFIX, BULK_PREFIX = "fretting_", "fretting_bulk_"
 FORCE_TOLERANCE = 1e-9  # force residual and load imbalance / P, where round-off lets them get there
 ROUND_OFF = 4.0  # residuals are balanced this many times above the last digits' own, measured for k from -0.9 to 0
 SETTLED = 1e-11  # force residual / P above which a balanced state gets one more step: what is left of a long first one;
@@ -108,22 +108,22 @@ def _weakly(method):
 class Newton:
     """Solves a System for given line loads, from its present state; tolerance: of forces and loads, over P."""
 
-    def __init__(self, system: System, comm, prefix: str = "fretting_", tolerance: float = FORCE_TOLERANCE):
+    def __init__(self, system: System, comm, tolerance: float = FORCE_TOLERANCE):
         self.system, self._wanted = system, tolerance
         self.x, self._f = system.create_vector(), system.create_vector()
         shape = (self.x.getLocalSize(), None)
         jacobian = PETSc.Mat().createPython((shape, shape), _Operator(system), comm)
         jacobian.setUp()
         self.snes = PETSc.SNES().create(comm)
-        self.snes.setOptionsPrefix(prefix)
+        self.snes.setOptionsPrefix(PREFIX)
         self.snes.setFunction(_weakly(self._residual), self._f)
         self.snes.setJacobian(_weakly(self._linearise), jacobian)
         self.snes.setConvergenceTest(_weakly(self._test))
         self.snes.ksp.pc.setType(PETSc.PC.Type.PYTHON)
         self._inverse = _Operator(system)
         self.snes.ksp.pc.setPythonContext(self._inverse)
-        with_defaults(prefix, SNES_OPTIONS, self.snes.setFromOptions)
-        self._most_followed = PETSc.Options(prefix).getInt(*PATH)
+        with_defaults(PREFIX, SNES_OPTIONS, self.snes.setFromOptions)
+        self._most_followed = PETSc.Options(PREFIX).getInt(*PATH)
         self._polished = False
         self._last_force = self._least = np.inf
         self._best = self.x.copy()  # iterate with the least force residual
@@ -151,6 +151,7 @@ class Newton:
         self._may_jump = jump
         if jump:
             self._jumps.begin(load if extrapolate else None)
+        self.x.copy(self._best)
         if predict:
             with self.system.problem.safeguards.all_stick():
                 self._step()
@@ -220,6 +221,7 @@ class Newton:
         """Whether the present state already balances the loads, by the same measure; nothing is moved."""
         self._begin(load)
         self._residual(self.snes, self.x, self._f)
+        self._states = self.system.problem.terms.contact_states().astype(np.int8)
         balanced = self._balanced()
         reason = "" if balanced else "the state does not balance the loads"
         return NewtonResult(balanced, 0, *self._norms, reason, self._tolerance)

@@ -1,13 +1,16 @@
 """The path of a load step on which contact states change one by one: where it leads, and where nothing else does."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from mpi4py import MPI
 from solving import CYCLING, SHRINKING, coarse_simulation, limit_stepping, solved
 
+from simulations.loading.fallbacks import Options
 from simulations.loading.stepping import SolveError
 from simulations.runs.simulation import Simulation
-from simulations.scene import make_scene
+from simulations.scene import DEFAULT_SCENE, make_scene
 from simulations.solvers import newton, path
 
 
@@ -56,6 +59,30 @@ def test_where_all_points_slide_the_indenter_is_held(monkeypatch):
     monkeypatch.setattr(path, "_hold_indenter", lambda *_: False)
     with pytest.raises(SolveError, match="singular"):
         shrunk()
+
+
+@pytest.mark.parametrize("fallbacks, cuts", [(Options().fallbacks, 0), (("jumping Newton", "Newton"), 1)])
+def test_a_new_pressure_without_coupling_is_sought_like_any_state(monkeypatch, fallbacks, cuts):
+    """Under a new P the frictionless contact is solved beneath the tangential one: along the path, or in half steps."""
+    load = DEFAULT_SCENE[DEFAULT_SCENE.index("P = 1.0e6") :]
+    text = DEFAULT_SCENE.replace(load, "mu = 0.3\npoints = [[1e6, 0], [1e6, 1e5], [8e5, 1e5]]\n")
+    scene = {"effects__coupling": "false", "solid__nu": 0.3, "solver__increments": 1, "reference__kind": "none"}
+    expected = coarse_simulation(text, **scene).run_to_end().history.entries[-1]
+    solve, missed = newton.Newton.solve, []
+
+    def missing_once(self, load, **options):
+        result = solve(self, load, **options)
+        if self.system.problem.friction or load.P > 0.9 or missed:
+            return result
+        missed.append(load)
+        return replace(result, converged=False)
+
+    monkeypatch.setattr(newton.Newton, "solve", missing_once)
+    limit_stepping(monkeypatch, fallbacks=fallbacks)
+    last = coarse_simulation(text, **scene).run_to_end().history.entries[-1]
+    assert missed and last.cuts == cuts
+    assert last.surface.pressure == pytest.approx(expected.surface.pressure, abs=1e-8 * expected.peak_pressure)
+    assert last.surface.traction == pytest.approx(expected.surface.traction, abs=0.02 * expected.peak_pressure)
 
 
 def test_a_path_that_is_too_long_ends(monkeypatch):

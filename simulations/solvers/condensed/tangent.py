@@ -26,12 +26,11 @@ SAME = 1e-13  # relative: rows this close to proportional are
 
 @dataclass
 class Counts:
-    """What was done so far: matrices inverted, rows replaced, rows that needed C, and rows taken up by the inverse."""
+    """What was done so far: matrices inverted, rows replaced, and rows that needed C."""
 
     inverses: int = 0
     rows: int = 0
     products: int = 0
-    taken_up: int = 0
 
 
 class DenseTangent:
@@ -100,12 +99,11 @@ class DenseTangent:
         known, _ = lapack.dgetrs(self._lu, self._pivots, wanted)
         self._inverse = blas.dgemm(1.0, self._columns, known, 1.0, inverse, overwrite_c=True)
         self._base = self._tangent
-        self.counts.taken_up += len(rows)
 
     def _rebase(self):
         free, _, ratio = self._states(self._tangent)
         self._invert(self._tangent, free)
-        if self._base is not None:
+        if self._first is None and self._base is not None:
             self._first = self._inverse, self._base
         none = np.array([], dtype=int)
         self._replace(none, none, ratio, np.zeros(self._size, dtype=bool))
