@@ -70,8 +70,14 @@ class MeshFree:
         self._states = [states[place] for place in places]
         self._schedule = simulation.schedule
         self._energy = self._dissipated(simulation.pressing_with_friction())
-        coarser = tuple(int(COARSER * count) for count in nodes)
-        self.coarser = MeshFree(simulation, nodes=coarser, finer=finer // 2) if estimated else None
+        self.coarser = self._coarser(simulation, nodes) if estimated else None
+
+    def _coarser(self, simulation, nodes):
+        fewer = tuple(int(COARSER * count) for count in nodes if count <= self.nodes)
+        try:
+            return MeshFree(simulation, nodes=fewer, finer=self.finer // 2)
+        except NoReference as failure:
+            raise NoReference(f"the error of the {self.name} is not known: {failure}") from None
 
     def _at(self, entry: Entry) -> ContactState:
         return self._states[entry.number]
