@@ -10,31 +10,35 @@ from argparse import Namespace
 from pathlib import Path
 from types import ModuleType
 
-from .command.command import Parser, comm, on_root, run, say, writable
+from .command.command import NO_SOLUTION, Parser, comm, on_root, run, say, writable
+from .runs.checks import ChecksFailed
 from .scene import DEFAULT_SCENE, SceneError
 from .studies.engine import workers
-from .studies.sweeping import Table, run_sweep, sweep
+from .studies.sweep_folder import TABLE
+from .studies.sweeping import Table, run_sweep, sweep, take_folder
 from .studies.variation import check, product, read_table, read_text, read_vary
 from .version import __version__
 
-SOME_FAILED = 3  # exit code
-
 
 def main(arguments: list[str]):
-    """Run all scenes and write sweep.csv; exit code 3 where some of them failed."""
+    """Run all scenes and write sweep.csv; exit code 3 where some of them failed, else 4 where checks of some do."""
     given = on_root(lambda: read(arguments))
     table = Table()
     tell = (lambda line: None) if given.quiet else say
     with workers(comm) as executor:
         if comm.rank == 0:
             tell(f"{len(given.cases)} scenes on {comm.size} rank(s)")
-            table = run_sweep(given.text, given.sets, given.cases, executor, given.output, given.folders, tell)
-            table.to_csv(given.output / "sweep.csv")
-    failed = comm.bcast(table.failed)
-    tell(f"written to {given.output}: sweep.csv, {len(table)} rows")
+            folder = given.output if given.folders else None
+            table = run_sweep(given.text, given.sets, given.cases, executor, given.store, folder, tell)
+            table.to_csv(given.output / TABLE)
+    failed, not_held = comm.bcast((table.failed, table.not_held))
+    tell(f"written to {given.output}: {TABLE}, {len(table)} rows")
+    of_all = f"of {len(given.cases)} scenes"
     if failed:
-        say(f"{failed} of {len(given.cases)} scenes failed: see status and reason in sweep.csv", file=sys.stderr)
-        raise SystemExit(SOME_FAILED)
+        say(f"{failed} {of_all} failed: see status and reason in {TABLE}", file=sys.stderr)
+        raise SystemExit(NO_SOLUTION)
+    if not_held:
+        raise ChecksFailed(f"{not_held} {of_all} fail their checks: see checks in {TABLE}")
 
 
 def read(arguments: list[str]) -> Namespace:
@@ -55,6 +59,7 @@ def read(arguments: list[str]) -> Namespace:
         "--output", type=Path, metavar="DIR", help="folder (default: results/sweep-SCENE)"
     )
     parser.add_argument("--folders", action="store_true", help="also the results folder of every scene")
+    parser.add_argument("--overwrite", action="store_true", help="replace another sweep in the folder")
     parser.add_argument("--quiet", action="store_true", help="say nothing but warnings and errors")
     parser.add_argument("--version", action="version", version=f"graded-fretting {__version__}")
     given = parser.parse_args(arguments)
@@ -69,6 +74,7 @@ def read(arguments: list[str]) -> Namespace:
     check(given.text, given.sets, given.cases)
     name = "default" if given.scene is None else given.scene.stem
     given.output = writable(given.output or Path("results") / f"sweep-{name}")
+    given.store = take_folder(given.text, given.sets, given.cases, given.output, given.folders, given.overwrite)
     return given
 
 

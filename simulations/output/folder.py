@@ -84,17 +84,35 @@ def begin(folder: Path, scene: Scene):
     of one run. OutputError where it cannot be written.
     """
     try:
-        (folder / "summary.json").unlink(missing_ok=True)
-        checkpoint.remove(folder)
-        for name in (*FILES[1:], *OTHERS):
-            (folder / name).unlink(missing_ok=True)
-        for path in _state_files(folder):
-            path.unlink()
+        _remove_results(folder)
         text = scene.to_toml()
         made_with = "".join(f"# {name} {version}\n" for name, version in versions().items())
         write_text(folder / SCENE, f"{made_with}{CHECKSUM}{_checksum(text)}\n{text}")
     except OSError as error:
         raise OutputError(f"{folder} cannot be written: {error.strerror or error}; start again") from None
+
+
+def remove_run(folder: Path):
+    """Take away the run in ``folder``, if there is one, and the folder with it where nothing else is in it."""
+    if _is_of_a_run(folder / SCENE):
+        _remove_results(folder)
+        (folder / SCENE).unlink()
+        _remove_empty((folder / field_index.FOLDER, folder))
+
+
+def _remove_results(folder):
+    """All that a run has written but its scene; first what tells that it is complete."""
+    (folder / "summary.json").unlink(missing_ok=True)
+    checkpoint.remove(folder)
+    for name in (*FILES[1:], *OTHERS):
+        (folder / name).unlink(missing_ok=True)
+    for path in _state_files(folder):
+        path.unlink()
+
+
+def is_run_of(folder: Path, scene: Scene) -> bool:
+    """Whether a run wrote what is in ``folder``, and of this scene."""
+    return _is_of_a_run(folder / SCENE) and checkpoint.read_scene(folder).to_toml() == scene.to_toml()
 
 
 def writable(folder: Path, option: str = "--output") -> Path:

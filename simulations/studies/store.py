@@ -7,6 +7,9 @@ from pathlib import Path
 from typing import Any
 
 
+START = '{"key": '  # of every line
+
+
 class Store:
     """A file of lines {"key", "values", "row"}. One process writes; a line cut short by a stop is passed over."""
 
@@ -18,6 +21,11 @@ class Store:
         """The name with a hash of the values: another value is another run."""
         text = json.dumps(values, sort_keys=True)
         return f"{name} #{hashlib.sha256(text.encode()).hexdigest()[:16]}"
+
+    def is_own(self) -> bool:
+        """Whether every line is one that ``keep`` wrote, or the beginning of one; also where there is no file."""
+        text = self.path.read_text(encoding="utf-8", errors="replace") if self.path.exists() else ""
+        return all(line.startswith(START) or START.startswith(line) for line in text.splitlines())
 
     def read(self) -> dict[str, dict[str, Any]]:
         """Every finished row by key."""

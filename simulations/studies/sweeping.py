@@ -15,7 +15,7 @@ from typing import Any
 from mpi4py import MPI
 
 from ..output.files import write_table
-from ..output.folder import begin
+from ..output.folder import begin, claimed, is_run_of
 from ..output.results import Results
 from ..runs import checks, comparison, reference
 from ..runs.simulation import Simulation
@@ -23,12 +23,14 @@ from ..scene import DEFAULT_SCENE, Scene, SceneError, parse
 from ..scene.effects import Effects
 from .engine import FAILED, Item, Row, run_all
 from .store import Store
+from .sweep_folder import RUNS, take
 from .variation import Changes, base_of, check, overrides, product
 
 # Keys that leave mesh and stiffness as they are, in units of the contact: load, cylinder and modulus only scale.
 SCALES = {"title", "load.P", "solid.E0", "solid.y0", "indenter.R"}
 # Likewise where pressure and traction do not see each other.
 UNCOUPLED = {"load.mu", "load.cycles"}
+HOLD = "hold"  # checks of a row
 RUN_ONLY = {"solver.increments", "solver.gamma0", "reference.kind"}
 
 
@@ -44,6 +46,11 @@ class Table(list[Row]):
         """Scenes without results."""
         return sum(row["status"] != "done" for row in self)
 
+    @property
+    def not_held(self) -> int:
+        """Scenes whose results fail a check."""
+        return sum(row.get("checks", HOLD) != HOLD for row in self)
+
 
 def sweep(
     scene: str | Scene | Mapping[str, Any] = DEFAULT_SCENE,
@@ -53,44 +60,57 @@ def sweep(
     folders: bool = False,
     sets: Sequence[str] = (),
     tell: Callable[[str], None] | None = None,
+    overwrite: bool = False,
 ) -> Table:
     """Run every combination of ``vary`` on ``scene``; SceneError, before anything is run, where the input is wrong.
 
     scene: TOML text, a Scene, or all its keys; vary: values by key, or a list of changes; executor: of processes that
     share the scenes with this one, for instance a ProcessPoolExecutor that spawns them; output: folder in which
     finished scenes are kept, so that a sweep that was stopped goes on, and with ``folders`` the results of each; sets:
-    ``KEY=VALUE`` for all scenes; tell: called with lines of progress. A scene that fails is a row with its reason.
+    ``KEY=VALUE`` for all scenes; tell: called with lines of progress; overwrite: replace another sweep in ``output``,
+    which is refused otherwise. A scene that fails is a row with its reason.
     """
     text, sets = base_of(scene), tuple(sets)
     cases = product(vary)
     check(text, sets, cases)
     if folders and output is None:
         raise SceneError("folders of the runs need a folder: output")
-    return run_sweep(text, sets, cases, executor, output, folders, tell)
+    store = take_folder(text, sets, cases, output, folders, overwrite) if output is not None else None
+    return run_sweep(text, sets, cases, executor, store, output if folders else None, tell)
 
 
-def run_sweep(text: str, sets: tuple[str, ...], cases: list[Changes], executor, output, folders, tell) -> Table:
-    """The table of checked cases; see ``sweep``."""
-    store = None
-    if output is not None:
-        Path(output).mkdir(parents=True, exist_ok=True)
-        store = Store(Path(output) / "sweep.jsonl")
+def take_folder(text: str, sets: tuple[str, ...], cases: list[Changes], output, folders, overwrite) -> Store:
+    """The store of the finished runs of checked cases; SceneError where ``output`` holds something else."""
+    items = _items(text, sets, cases, output if folders else None)
+    return take(Path(output), (Store.key(item.name, item.values) for _, item in items), overwrite)
+
+
+def run_sweep(text: str, sets: tuple[str, ...], cases: list[Changes], executor, store, folder, tell) -> Table:
+    """The table of checked cases; see ``sweep``. store: None, or what ``take_folder`` gave; folder: None, or where
+    folders of the runs go.
+    """
     if executor is not None:
         compile_forms(text, sets, cases)
-    # neighbours in this order may share a body
-    order = sorted(range(len(cases)), key=lambda number: _solid(cases[number]))
-    items = []
-    for number in order:
-        values = {"text": text, "set": [*sets, *overrides(cases[number])]}
-        if folders:
-            values["folder"] = str(Path(output) / f"run-{number + 1:04d}")
-        items.append(Item(", ".join(f"{key} = {value}" for key, value in cases[number].items()), values))
+    order, items = zip(*_items(text, sets, cases, folder))
     try:
         found = run_all(items, run_scene, store, executor, tell)
     finally:
         _kept.clear()
     rows = dict(zip(order, found, strict=True))
     return Table(cases[number] | _with_status(rows[number]) for number in range(len(cases)))
+
+
+def _items(text: str, sets: tuple[str, ...], cases: list[Changes], folder) -> list[tuple[int, Item]]:
+    """Number and run of each case, in an order in which neighbours may share a body."""
+    order = sorted(range(len(cases)), key=lambda number: _solid(cases[number]))
+    items = []
+    for number in order:
+        values = {"text": text, "set": [*sets, *overrides(cases[number])]}
+        if folder is not None:
+            values["folder"] = str(Path(folder) / RUNS.format(number + 1))
+        name = ", ".join(f"{key} = {value}" for key, value in cases[number].items())
+        items.append((number, Item(name, values)))
+    return items
 
 
 def _with_status(row: Row) -> Row:
@@ -116,11 +136,11 @@ def run_scene(values: Row) -> Row:
     del previous
     if "folder" in values:
         folder = Path(values["folder"])
-        folder.mkdir(parents=True, exist_ok=True)
-        begin(folder, scene)
-        with Results(folder, simulation) as results:
-            for entry in simulation.run():
-                results.record(entry)
+        with claimed(MPI.COMM_SELF, folder, overwrite=is_run_of(folder, scene)):
+            begin(folder, scene)
+            with Results(folder, simulation) as results:
+                for entry in simulation.run():
+                    results.record(entry)
     else:
         simulation.run_to_end()
     row = numbers(simulation)
@@ -188,7 +208,7 @@ def numbers(simulation: Simulation) -> Row:
     except reference.NoReference as reason:
         row["reference"] = f"none: {reason}"
     broken = [name for name, one in found.items() if not one.holds]
-    row |= {"checks": "hold" if not broken else "not held: " + "; ".join(broken)}
+    row |= {"checks": HOLD if not broken else "not held: " + "; ".join(broken)}
     row |= {"unknowns": simulation.body.unknowns, "increments": len(history.entries)}
     row["newton_iterations"] = sum(entry.iterations for entry in history.entries)
     return {key: float(value) if isinstance(value, float) else value for key, value in row.items()}

@@ -25,7 +25,7 @@ RANGE = re.compile(rf"({NUMBER}):({NUMBER}):(\d+)")
 def read_text(path: Path, what: str) -> str:
     """Text of a file; SceneError where it cannot be read."""
     try:
-        if not path.is_file() or path.stat().st_size > LARGEST:
+        if path.exists() and (not path.is_file() or path.stat().st_size > LARGEST):
             raise SceneError(f"{what} {shown(path)} cannot be read: not a file of at most {LARGEST} bytes")
         return path.read_text(encoding="utf-8-sig")
     except OSError as error:
@@ -55,7 +55,8 @@ def _values(key: str, text: str) -> list:
             raise SceneError(f"--vary {key}={text} is not allowed: two different ends and 2 to {MOST} values")
         return [float(f"{value:.12g}") for value in np.linspace(first, last, count)]
     if ":" in text and "[" not in text and '"' not in text:
-        raise SceneError(f"--vary {key}={shown(text)} is not allowed: a range is FIRST:LAST:COUNT, three numbers")
+        allowed = f"a range is FIRST:LAST:COUNT, COUNT from 2 to {MOST}"
+        raise SceneError(f"--vary {key}={shown(text)} is not allowed: {allowed}")
     try:
         return tomllib.loads(f"value = [{text}]")["value"]
     except (ValueError, RecursionError):
@@ -69,6 +70,8 @@ def read_table(path: Path) -> list[Changes]:
     """Rows of a CSV file whose columns are keys of the scene."""
     head, *lines = list(csv.reader(io.StringIO(read_text(path, "--csv-in")))) or [[]]
     names = [name.strip() for name in head]
+    if len(names) == 1 and ";" in names[0]:
+        raise SceneError(f"--csv-in {shown(path)} is not allowed: its columns are separated by ;, and are to be by ,")
     if not lines or "" in names or len(set(names)) < len(names):
         raise SceneError(f"--csv-in {shown(path)} is not allowed: a line of different keys, then lines of values")
     rows = []

@@ -224,7 +224,8 @@ BAD = {
     "words": (["--vary", "solid.k=a:b:3"], "FIRST:LAST:COUNT"),
     "out of range": (["--vary", "solid.k=0.1,1.5"], "1.5"),
     "too many": (["--vary", "solid.k=0:0.9:1000", "--vary", "load.mu=0.1:0.9:1000"], "1000000 scenes"),
-    "no file": (["--csv-in", "absent.csv"], "absent.csv"),
+    "part of a count": (["--vary", "solid.k=0.1:0.2:1.5"], "COUNT from 2 to 100000"),
+    "no file": (["--csv-in", "absent.csv"], "absent.csv cannot be read: No such file"),
     "no scene": (["absent.toml", "--vary", "solid.k=0.1,0.2"], "absent.toml"),
     "option": (["--vry", "solid.k=0.1,0.2"], "--vry"),
 }
@@ -241,6 +242,7 @@ def test_bad_input_is_one_line(tmp_path, monkeypatch, words, said):
 
 SHORT, HOLE = "solid.k,load.mu\n0.1\n", "solid.k\n0.1\n \n"
 TABLES = {"": "keys", "solid.k\n": "keys", "solid.k,solid.k\n1,2\n": "keys", "solid.kk\n0.1\n": "solid.k?"}
+TABLES |= {"solid.k;load.mu\n0,1;0,2\n": "separated by ;"}
 TABLES |= {SHORT: "line 2", HOLE: "line 3", "solid.k\n0.1\n0.1\n": "twice"}
 
 

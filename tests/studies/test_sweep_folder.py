@@ -1,0 +1,104 @@
+"""The folder of a sweep: nothing in it is replaced silently, and the table belongs to the folders of the runs."""
+
+import csv
+import json
+
+import pytest
+from running import COARSE
+
+import simulations.sweep as command
+from simulations import SceneError
+from simulations.output import folder as run_folder
+from simulations.output.checkpoint import read_scene
+from simulations.runs.checks import ChecksFailed
+from simulations.studies import sweeping
+
+SETS = [word for key, value in {**COARSE, "effects.coupling": "false"}.items() for word in ("--set", f"{key}={value}")]
+
+
+def run(folder, values, *more):
+    command.main([*SETS, "--vary", f"load.mu={values}", "--output", str(folder), "--quiet", *more])
+
+
+def friction_of(folder):
+    with open(folder / "sweep.csv", newline="") as file:
+        return [float(row["load.mu"]) for row in csv.DictReader(file)]
+
+
+@pytest.fixture(scope="module")
+def swept(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("sweep")
+    run(folder, "0.2,0.25", "--folders")
+    return folder
+
+
+def contents(folder):
+    return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file() and path.name != "run.lock"}
+
+
+@pytest.mark.parametrize("values, more", [("0.5,0.6", ["--folders"]), ("0.2,0.25", []), ("0.25,0.2", ["--folders"])])
+def test_another_sweep_is_refused(swept, values, more):
+    """With other scenes, without the folders, or with other numbers of the folders."""
+    before = contents(swept)
+    with pytest.raises(SceneError, match="it holds another sweep; --overwrite replaces it, --output DIR keeps both"):
+        run(swept, values, *more)
+    assert contents(swept) == before
+
+
+def test_a_larger_sweep_goes_on(swept, monkeypatch):
+    solved = []
+    run_scene = sweeping.run_scene
+    monkeypatch.setattr(sweeping, "run_scene", lambda values: solved.append(values["set"][-1]) or run_scene(values))
+    run(swept, "0.2,0.25,0.3", "--folders")
+    assert solved == ["load.mu=0.3"] and friction_of(swept) == [0.2, 0.25, 0.3]
+
+
+def test_what_overwrite_replaces(tmp_path):
+    run(tmp_path, "0.2,0.25", "--folders")
+    (tmp_path / "run-0002" / "notes.txt").write_text("mine")
+    run(tmp_path, "0.5,0.6", "--folders", "--overwrite")
+    assert friction_of(tmp_path) == [0.5, 0.6]
+    assert [read_scene(tmp_path / f"run-000{n}").mu for n in (1, 2)] == [0.5, 0.6]
+    run(tmp_path, "0.7", "--overwrite")
+    assert friction_of(tmp_path) == [0.7] and len((tmp_path / "sweep.jsonl").read_text().splitlines()) == 1
+    assert contents(tmp_path / "run-0002") == {tmp_path / "run-0002" / "notes.txt": b"mine"}
+    assert not (tmp_path / "run-0001").exists()
+
+
+@pytest.mark.parametrize(
+    "name, text, said",
+    [
+        ("sweep.csv", "my own table\n", "sweep.csv, which no sweep wrote"),
+        ("sweep.jsonl", "my notes\n", "sweep.jsonl, which no sweep wrote"),
+        ("scene.toml", "mine\n", "scene.toml, of a single run"),
+        ("summary.json", "{}\n", "summary.json, of a single run"),
+    ],
+)
+def test_what_no_sweep_wrote_is_not_replaced(tmp_path, name, text, said):
+    (tmp_path / name).write_text(text)
+    for more in ([], ["--overwrite"]):
+        with pytest.raises(SceneError, match=f"it holds {said}; choose another folder"):
+            run(tmp_path, "0.5", *more)
+    assert contents(tmp_path) == {tmp_path / name: text.encode()}
+
+
+def test_a_run_of_another_scene_in_the_place_of_one_is_kept(swept, tmp_path):
+    """The scene is a failed row; that of a stopped sweep is run again."""
+    (swept / "run-0001").rename(tmp_path / "run-0001")
+    with pytest.raises(SystemExit) as end:
+        run(tmp_path, "0.5", "--folders")
+    assert end.value.code == 3 and read_scene(tmp_path / "run-0001").mu == 0.2
+    with open(tmp_path / "sweep.csv", newline="") as file:
+        assert "it holds a finished run" in next(csv.DictReader(file))["reason"]
+    run(tmp_path, "0.2", "--folders")
+    assert json.loads((tmp_path / "run-0001" / "summary.json").read_text())["converged"]
+    assert run_folder.is_run_of(tmp_path / "run-0001", read_scene(tmp_path / "run-0001"))
+
+
+def test_checks_that_fail_are_told(tmp_path, monkeypatch):
+    """Their scenes have results, so the exit code is that of a single run whose checks fail."""
+    numbers = sweeping.numbers
+    monkeypatch.setattr(sweeping, "numbers", lambda simulation: numbers(simulation) | {"checks": "not held: gap >= 0"})
+    with pytest.raises(ChecksFailed, match="^1 of 1 scenes fail their checks: see checks in sweep.csv$"):
+        run(tmp_path, "0.2")
+    assert friction_of(tmp_path) == [0.2]
