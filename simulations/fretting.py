@@ -1,6 +1,7 @@
 """Press a rigid cylinder onto a graded half-plane and rock it:  python -m simulations.fretting [SCENE.toml]."""
 
 import shlex
+from dataclasses import replace
 
 from .command.arguments import Request, read_request, set_petsc_options
 from .command.command import comm, on_root, run, say
@@ -8,10 +9,10 @@ from .command.progress import Progress
 from .command.stopping import stopping
 from .fem import parallel
 from .output import checkpoint
-from .output.files import OutputError, write_summary
+from .output.files import OutputError
 from .output.folder import begin, claimed, files
 from .output.results import Results
-from .runs.checks import ChecksFailed
+from .runs.checks import Check, ChecksFailed
 from .runs.comparison import QUANTITIES
 from .runs.estimate import coarser, estimated, expectation
 from .runs.explain import explain
@@ -22,6 +23,7 @@ from .scene import DEFAULT_SCENE
 
 
 KNOWN = 0.3  # of the accuracy asked for: a reference whose own error is larger measures none
+TOO_COARSE = "more solver.increments or a smaller solver.accuracy may help"
 
 
 def main(arguments: list[str], program: str = "simulations.fretting", description=__doc__, default=DEFAULT_SCENE):
@@ -34,6 +36,9 @@ def main(arguments: list[str], program: str = "simulations.fretting", descriptio
     folder = request.output
     if request.resume and on_root(lambda: checkpoint.is_complete(folder)):
         say(f"{folder} is complete: nothing is left to do")
+        failing = on_root(lambda: checkpoint.failing_checks(folder))
+        if failing:
+            raise ChecksFailed(f"checks that fail: {', '.join(failing)}")
         return
     with claimed(comm, folder, request.scene_file, request.overwrite, request.resume):
         stopping.tell(f"start again with {request.command}")
@@ -71,7 +76,7 @@ def go(simulation: Simulation, folder, progress: Progress, again: str):
             progress.step(entry)
     stopping.tell(f"the run is done: {folder}")
     if simulation.scene.solver.accuracy is not None:
-        judge(simulation, results, folder, progress)
+        judge(simulation, results, progress)
     if comm.rank == 0:
         progress.say(f"\n{results.table()}")
         seconds = "  ".join(f"{phase} {value:.1f} s" for phase, value in results.summary["seconds"].items())
@@ -81,9 +86,9 @@ def go(simulation: Simulation, folder, progress: Progress, again: str):
         raise ChecksFailed(results.failing)
 
 
-def judge(simulation: Simulation, results: Results, folder, progress: Progress):
+def judge(simulation: Simulation, results: Results, progress: Progress):
     """Say the error found, or estimated where no reference is known well enough to find it by, beside the accuracy
-    asked for; and keep it.
+    asked for; and keep it, as a check of the run.
     """
     scene = simulation.scene
     wanted = scene.solver.accuracy or 0.0
@@ -101,18 +106,19 @@ def judge(simulation: Simulation, results: Results, folder, progress: Progress):
     for found, where in ((errors, "last state"), (worst, "worst state")):
         name, largest = max(((name, abs(value)) for name, value in found.items()), key=lambda item: item[1])
         progress.say(f"largest error of the {where} {largest:.1e} ({name}; {kind})")
-    holds = max(map(abs, (*errors.values(), *worst.values()))) <= wanted
-    progress.say(f"all states, a, c and energy are {'within' if holds else 'NOT within'} {wanted:g}")
-    if comm.rank == 0:
-        results.summary["accuracy"] = {
-            "wanted": wanted,
-            "is_within": bool(holds),
-            "largest_error": max(map(abs, errors.values())),
-            "largest_error_worst_state": max(map(abs, worst.values())),
-            "is_estimate": is_estimate,
-            "errors": errors,
-        }
-        write_summary(folder / "summary.json", results.summary)
+    check = Check(max(map(abs, (*errors.values(), *worst.values()))), wanted)
+    if not check.holds:
+        check = replace(check, cause=TOO_COARSE)
+    progress.say(f"all states, a, c and energy are {'within' if check.holds else 'NOT within'} {wanted:g}")
+    accuracy = {
+        "wanted": wanted,
+        "is_within": check.holds,
+        "largest_error": max(map(abs, errors.values())),
+        "largest_error_worst_state": max(map(abs, worst.values())),
+        "is_estimate": is_estimate,
+        "errors": errors,
+    }
+    results.judge_accuracy(check, accuracy)
 
 
 if __name__ == "__main__":

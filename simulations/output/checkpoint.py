@@ -23,7 +23,7 @@ from ..fem.mesh import Grading
 from ..fem.surface import SurfaceState
 from ..loading.stepping import Outcome
 from ..runs import memory
-from ..scene import Scene, SceneError, one_line, parse
+from ..scene import Scene, SceneError, one_line, parse, shown
 from ..solvers.newton import NewtonResult
 from ..version import __version__
 from .files import on_disk
@@ -39,7 +39,7 @@ SCALARS = ("iterations", "cuts", "residual", "imbalance", "seconds", "tolerance"
 
 def record(n: int) -> np.dtype:
     """One increment: a SurfaceState of n nodes and what it took."""
-    fields = [("pressure", "f8", n), ("traction", "f8", n), ("u", "f8", (2, n)), ("delta", "f8", 2)]
+    fields: list[tuple] = [("pressure", "f8", n), ("traction", "f8", n), ("u", "f8", (2, n)), ("delta", "f8", 2)]
     fields += [("neglected", "f8", n), ("elastic", "f8")]
     return np.dtype(fields + [(name, "f8") for name in SCALARS])
 
@@ -162,7 +162,7 @@ def load(folder: Path) -> Saved:
 def read_scene(folder: Path) -> Scene:
     """The scene of the run in ``folder``; SceneError where there is none."""
     try:
-        return parse((folder / SCENE).read_text(encoding="utf-8"))
+        return parse((folder / SCENE).read_text(encoding="utf-8"), name=f"scene {shown(folder / SCENE)}")
     except (OSError, UnicodeDecodeError) as error:
         why = getattr(error, "strerror", "it is not text")
         raise SceneError(f"--resume {folder} is not the folder of a run: {SCENE}: {why}") from None
@@ -191,11 +191,21 @@ def restore(saved: Saved, simulation: Simulation):
 
 def is_complete(folder: Path) -> bool:
     """Whether the run in ``folder`` reached its end."""
+    return bool(_summary(folder).get("converged")) and not (folder / FOLDER / "memory.npz").exists()
+
+
+def failing_checks(folder: Path) -> list[str]:
+    """Names of the checks that the results of a complete run do not pass."""
+    return [name for name, check in _summary(folder).get("checks", {}).items() if not check["holds"]]
+
+
+def _summary(folder) -> dict:
+    """What the run says of itself; {} where there is nothing, or it cannot be read."""
     try:
-        summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
-        return summary["converged"] and not (folder / FOLDER / "memory.npz").exists()
-    except (OSError, ValueError, KeyError, TypeError):
-        return False
+        found = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+        return found if isinstance(found, dict) else {}
+    except (OSError, ValueError):
+        return {}
 
 
 def _row(entry: Entry) -> bytes:

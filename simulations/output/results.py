@@ -7,6 +7,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from ..runs import report_data
+from ..runs.checks import Check
 from ..runs.history import Entry
 from ..runs.reference import Tell
 from ..runs.simulation import Simulation
@@ -110,12 +111,23 @@ class Results:
             with simulation.watch("output"):
                 self._write_tables()
             self.findings = report_data.find(simulation, self._tell)
-            self.failing = report_data.failing(self.findings)
             with simulation.watch("files"):
                 self._plot()
-            self.summary = report_data.summary(simulation, self.findings) | {"versions": versions()}
-            output.write_summary(self.folder / "summary.json", self.summary)
+            self._write_summary()
             checkpoint.remove(self.folder)
+
+    def judge_accuracy(self, check: Check, accuracy: dict):
+        """One more check of a run that has ended, and what it was made from, on rank 0; collective."""
+        if self.findings:
+            self.findings.checks["accuracy"] = check
+            self._write_summary(accuracy=accuracy)
+        self.failing = self.comm.bcast(self.failing)
+
+    def _write_summary(self, **more):
+        assert self.findings is not None  # after the end
+        self.failing = report_data.failing(self.findings)
+        self.summary = report_data.summary(self.simulation, self.findings) | {"versions": versions()} | more
+        output.write_summary(self.folder / "summary.json", self.summary)
 
     def _plot(self):
         findings = self.findings

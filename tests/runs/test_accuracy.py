@@ -182,3 +182,22 @@ def test_command_estimates_where_there_is_no_reference(tmp_path, nu):
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
     assert summary["accuracy"]["is_estimate"]
     assert np.isfinite(summary["accuracy"]["largest_error"])
+
+
+def test_an_accuracy_that_is_missed_fails_the_run(tmp_path):
+    """One load step from point to point: the energy is off by more, which no mesh mends. To go on says so again."""
+    scene = tmp_path / "path.toml"
+    scene.write_text(
+        "solid.E0 = 1e9\nsolid.k = 0.3\nsolid.nu = 0.3\nsolid.y0_over_a0 = 3\nindenter.R = 0.1\nload.mu = 0.3\n"
+        "load.points = [[1e4, 0], [1e4, 2e3], [6e3, 1e3], [1e4, -1e3]]\neffects.coupling = false\n"
+    )
+    words = scene, "--accuracy", "5e-3", "--set", "solver.increments=1", "--quiet", "--output", tmp_path / "run"
+    done = run_command(*words)
+    assert done.returncode == 4 and done.stderr.startswith("checks that fail: accuracy (8.")
+    assert "more solver.increments" in done.stderr
+    summary = json.loads((tmp_path / "run" / "summary.json").read_text())
+    assert summary["converged"] and not summary["checks_hold"] and not summary["accuracy"]["is_within"]
+    assert summary["checks"]["accuracy"]["value"] == summary["accuracy"]["largest_error"] > 5e-3
+    again = run_command("--resume", tmp_path / "run")
+    assert again.returncode == 4 and again.stderr == "checks that fail: accuracy\n"
+    assert "nothing is left to do" in again.stdout
