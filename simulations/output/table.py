@@ -25,7 +25,8 @@ def table(findings: Findings, has_cycle: bool) -> str:
     if findings.neglecting:
         lines += ["", *_rows(findings, names, findings.neglecting, "difference")]
         lines.append(f"differences from the {findings.neglecting.words}")
-    lines.append(checks.describe(findings.checks))
+    failing = sum(not check.holds for check in findings.checks.values())  # which ones, the last line of the run says
+    lines.append(f"{failing} of {len(findings.checks)} checks fail" if failing else checks.describe(findings.checks))
     return "\n".join(lines)
 
 

@@ -1,4 +1,4 @@
-"""Checks of a converged run: balance, contact conditions, no wiggles, no large error.
+"""Checks of a converged run: balance, contact conditions, no zigzags, no large error.
 
 Numpy only. Each check is a number and the limit that it must not pass. Ordinary runs have them in summary.json.
 """
@@ -44,7 +44,7 @@ def check(
     """Checks of a run that ended. height: the indenter's f(x), in the history's units.
 
     coupled: False where the traction does not move the surface up and down: the gap is that of the normal stage.
-    cause: tells why tractions wiggle; it is asked only where they do.
+    cause: tells why tractions zigzag; it is asked only where they do.
     """
     entries = history.entries
     with_gap = [entry for entry in entries if coupled or entry.increment.branch == "normal"]
@@ -56,7 +56,7 @@ def check(
         "load balance": Check(worst["load balance"], 10 * tolerance),
         "p >= 0": Check(worst["p >= 0"], 0.0),
         "gap >= 0": Check(max(penetration(entry.surface, height) for entry in with_gap), OPEN),
-        "pressure wiggles": Check(worst["pressure wiggles"], WIGGLES),
+        "pressure zigzags": Check(worst["pressure zigzags"], ZIGZAGS),
     }
     if history.friction:
         mu, loaded = history.mu, [entry for entry in entries if np.any(entry.surface.traction)]
@@ -67,14 +67,14 @@ def check(
                 max((excess(e.surface, mu) for e in loaded), default=0.0), 10 * max(tolerance, AT_LIMIT)
             ),
             "slip against q": Check(max((wrong_slip(a, b, mu, reach) for a, b in pairs), default=0.0), WRONG_SLIP),
-            "traction wiggles": Check(
-                max((wiggles(e.surface.traction, mu * np.ptp(e.surface.pressure)) for e in loaded), default=0.0),
-                WIGGLES,
+            "traction zigzags": Check(
+                max((zigzags(e.surface.traction, mu * np.ptp(e.surface.pressure)) for e in loaded), default=0.0),
+                ZIGZAGS,
             ),
         }
-    wiggling = [name for name in checks if name.endswith("wiggles") and not checks[name].holds]
-    if wiggling and cause:
-        checks[wiggling[-1]] = replace(checks[wiggling[-1]], cause=cause())
+    zigzagging = [name for name in checks if name.endswith("zigzags") and not checks[name].holds]
+    if zigzagging and cause:
+        checks[zigzagging[-1]] = replace(checks[zigzagging[-1]], cause=cause())
     return checks
 
 
@@ -154,7 +154,7 @@ def wrong_slip(before: SurfaceState, after: SurfaceState, mu: float, reach: floa
     return float(-work[work < 0].sum() / most) if most > 0 else 0.0
 
 
-def wiggles(values, scale: float = 0.0) -> float:
+def zigzags(values, scale: float = 0.0) -> float:
     """Total variation of nodal values that go up, down and up again from node to node, over their range or ``scale``.
 
     A smooth field has none, nor has a peak or a kink: it turns once. A contact of FEW nodes is not smooth on its mesh.
@@ -193,9 +193,9 @@ UNKNOWN = "the reference's own error is {:.0%}, which is too much to judge by; m
 OPEN = 1e-3  # an open point is held by its traction, which is not quite zero
 WRONG_SLIP = 1e-4  # measured below 1e-6
 SMALL = 1e-3  # motion over the largest below which a load step moves nothing
-WIGGLES = 0.05  # of the range; loops at k = 0.3 have less than 0.003, the coupled one at k = -0.5 on coarse facets 0.04
+ZIGZAGS = 0.05  # of the range; loops at k = 0.3 have less than 0.003, the coupled one at k = -0.5 on coarse facets 0.04
 MEASURES = {
     "load balance": imbalance,
     "p >= 0": tension,
-    "pressure wiggles": lambda surface, entry: wiggles(surface.pressure),
+    "pressure zigzags": lambda surface, entry: zigzags(surface.pressure),
 }

@@ -40,7 +40,7 @@ def cause(simulation: Simulation) -> str:
     if scene.solver.theta > 0:
         return f"with solver.theta = {scene.solver.theta} not every gamma0 is stable: {OTHER_METHOD}"
     if critical is None:
-        return f"rates of stick and slip are unique without coupling: {smoother}"
+        return f"without coupling it is the mesh or the load steps, not friction: {smoother}"
     if own is None:
         return f"{describe(scene, critical)}: {remedy if scene.mu > critical.lower else smoother}"
     if scene.mu >= own:

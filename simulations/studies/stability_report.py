@@ -21,7 +21,7 @@ AFTER = "after the solve"  # begins the reason of a run that its own checks refu
 HELPS = "may help"  # ends the causes of checks that fail and have an action
 ACTIONS = {  # of what fails after the solve, where no cause tells it; the first that fits
     "slip against q": "solver.theta = 0 or a larger solver.gamma0",
-    "wiggles": "effects.elastic_slip or another number of solver.increments",
+    "zigzags": "effects.elastic_slip or another number of solver.increments",
     "energy balance": "a larger mesh.first_layer or solver.gamma0 = 10, for less round-off",
     "residual": "a larger mesh.first_layer or solver.gamma0 = 10, for less round-off",
     "load balance": "a larger mesh.first_layer or solver.gamma0 = 10, for less round-off",

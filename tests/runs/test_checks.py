@@ -65,8 +65,8 @@ def test_checks_hold_and_see_what_is_wrong(loop):
     surface.pressure[:], surface.traction[:] = saved
     assert {name for name, check in found.items() if not check.holds} >= {
         "load balance",
-        "pressure wiggles",
-        "traction wiggles",
+        "pressure zigzags",
+        "traction zigzags",
     }
     surface.traction[inside] *= -1.0
     found = checks.check(history, height)

@@ -33,12 +33,12 @@ def test_summary_has_both_bounds_and_the_mesh_has_its_own():
     assert "is below" in zigzags.cause(simulation)
 
 
-def test_a_run_that_wiggles_says_on_which_side_it_lies():
+def test_a_run_that_zigzags_says_on_which_side_it_lies():
     simulation = coarse_simulation(**COUPLED, load__mu=0.3, load__cycles=0, solver__increments=1).run_to_end()
     surface = simulation.history.entries[-1].surface
     surface.traction[:] += 0.3 * surface.pressure * (-1.0) ** np.arange(surface.x.size)
     found = check(simulation.history, lambda x: x**2 / 2, True, lambda: zigzags.cause(simulation))
-    assert not found["traction wiggles"].holds and "mu = 0.3 is below" in found["traction wiggles"].cause
+    assert not found["traction zigzags"].holds and "mu = 0.3 is below" in found["traction zigzags"].cause
 
 
 @pytest.mark.parametrize("mu, told", [(0.3, "no equilibrium"), (2.0, "no equilibrium; mu = 2 is above the bounds")])

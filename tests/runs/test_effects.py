@@ -93,7 +93,7 @@ def test_explain_names_every_effect_and_writes_nothing(tmp_path):
     done = run_command("--explain", "--output", tmp_path / "results")
     assert done.returncode == 0
     names = ("grading", "friction", "symmetry", "coupling", "friction in normal stage", "incompressibility")
-    for name in (*names, "load schedule", "indenter profile", "unknowns"):
+    for name in (*names, "load schedule", "indenter profile", "anchors of stick", "unknowns"):
         assert name in done.stdout
     assert not (tmp_path / "results").exists()
 

@@ -69,11 +69,11 @@ def test_edges_of_a_box_have_their_own_place(monkeypatch):
 
     def zigzag():
         simulation = Simulation(MPI.COMM_SELF, make_scene(box | {"solver.increments": 1, "effects.coupling": False}))
-        return max(checks.wiggles(e.surface.pressure, e.peak_pressure) for e in simulation.run())
+        return max(checks.zigzags(e.surface.pressure, e.peak_pressure) for e in simulation.run())
 
-    assert zigzag() < checks.WIGGLES / 2
+    assert zigzag() < checks.ZIGZAGS / 2
     monkeypatch.setattr("simulations.runs.plan.best_place", lambda degree, k: edge_place.best_place(degree, -0.6))
-    assert zigzag() > checks.WIGGLES
+    assert zigzag() > checks.ZIGZAGS
 
 
 def test_what_round_off_leaves_of_the_load_balance_ends_a_solve():
@@ -98,11 +98,11 @@ def test_first_contact_has_facets_enough(monkeypatch):
         solved(**scene)
 
 
-def wiggles(**changes) -> float:
+def zigzags(**changes) -> float:
     """Of pressure or traction, the most of all states of a loop."""
     simulation = solved(**changes)
     found = checks.check(simulation.history, simulation.scaled.indenter.height, True)
-    return max(found[name].value for name in ("pressure wiggles", "traction wiggles"))
+    return max(found[name].value for name in ("pressure zigzags", "traction zigzags"))
 
 
 def test_entering_points_are_anchored_where_the_edge_passed_them(monkeypatch):
@@ -112,9 +112,9 @@ def test_entering_points_are_anchored_where_the_edge_passed_them(monkeypatch):
     """
     pressed = {"solid__nu": 0.3, "effects__friction_in_normal_stage": "true", "load__cycles": 0}
     pressed["indenter__profile"] = "circle"
-    assert wiggles(**pressed) < checks.WIGGLES
+    assert zigzags(**pressed) < checks.ZIGZAGS
     limit_stepping(monkeypatch, anchor_passes=0)
-    assert wiggles(**pressed) > 2 * checks.WIGGLES
+    assert zigzags(**pressed) > 2 * checks.ZIGZAGS
 
 
 LEADING = {"solid__k": -0.4, "solid__nu": -0.2, "load__mu": 0.4, "load__amplitude": 0.15, "solver__increments": 3}
@@ -123,24 +123,24 @@ LEADING |= {"mesh__facet": 0.05, "mesh__edge_facet": 0.003, "mesh__first_layer":
 
 def test_anchors_beside_the_old_edge_of_contact_lie_on_a_smooth_curve(monkeypatch):
     """The facet that the edge had cut has no exact displacements; taken as they are, traction gets a tooth there."""
-    assert wiggles(**LEADING) < checks.WIGGLES
+    assert zigzags(**LEADING) < checks.ZIGZAGS
     monkeypatch.setattr(stopped_points, "CUT", 0)
-    assert wiggles(**LEADING) > 2 * checks.WIGGLES
+    assert zigzags(**LEADING) > 2 * checks.ZIGZAGS
 
 
 def test_edges_of_stick_draw_though_ratios_do_not_settle(monkeypatch):
     larger = LEADING | {"solid__k": -0.3, "load__mu": 0.55, "load__amplitude": 0.2, "solver__increments": 2}
     larger |= {"mesh__edge_facet": 0.004}
-    assert wiggles(**larger) < checks.WIGGLES
+    assert zigzags(**larger) < checks.ZIGZAGS
     monkeypatch.setattr(anchors, "PATIENT", 10**9)
-    assert wiggles(**larger) > 2 * checks.WIGGLES
+    assert zigzags(**larger) > 2 * checks.ZIGZAGS
 
 
 def test_mesh_is_fine_where_steep_edges_move(monkeypatch):
     steep = {"solid__nu": 0.35, "solid__k": -0.7, "mesh__edge_facet": 0.01, "mesh__facet": 0.05, "mesh__growth": 1.3}
-    assert wiggles(**steep) < checks.WIGGLES
+    assert zigzags(**steep) < checks.ZIGZAGS
     monkeypatch.setattr(edges.ExpectedEdges, "sweeps", lambda *sizes: ())
-    assert wiggles(**steep) > 2 * checks.WIGGLES
+    assert zigzags(**steep) > 2 * checks.ZIGZAGS
 
 
 def test_steps_are_refined(monkeypatch):
@@ -266,7 +266,7 @@ def test_the_draw_is_seeded_and_admissible():
     "outcome, why, what",
     [
         (REFUSED, "mesh.edge_facet = 0.02 is too coarse: 0.01 or less would do", "the reason names"),
-        (REFUSED, "after the solve: traction wiggles 8.0e-02; mu = 2 is above 1.4: less of it may help", "less of it"),
+        (REFUSED, "after the solve: traction zigzags 8.0e-02; mu = 2 is above 1.4: less of it may help", "less of it"),
         (FAILED, "no equilibrium: Newton cycles", "increments"),
         (UNJUDGED, f"error of traction 5.1e-01; {checks.UNKNOWN.format(0.35)}", "more solver.increments"),
         (WRONG, f"error of traction 5.1e-01; {checks.LARGE}", "mesh.layer_growth"),
