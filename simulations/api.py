@@ -50,12 +50,12 @@ class Result:
 
     @cached_property
     def traction(self) -> np.ndarray:
-        """(s, n) tangential traction on the half-plane, positive along +Q, Pa."""
+        """(s, n) tangential traction on the half-plane, positive along +Q, Pa; 0 without friction."""
         return self._stack(lambda entry: entry.surface.traction, self.simulation.scaled.scales.stress)
 
     @cached_property
     def slip(self) -> np.ndarray:
-        """(s, n) u_x - delta_x since tangential loading began, m."""
+        """(s, n) u_x - delta_x since tangential loading began, m; 0 without friction."""
         return self._stack(lambda entry: entry.slip, self.simulation.scaled.scales.displacement)
 
     @cached_property
@@ -88,12 +88,13 @@ class Result:
 
     @property
     def c(self) -> float:
-        """Stick half-width at the end, m."""
-        return self._entries[-1].c * self.simulation.scaled.scales.length
+        """Stick half-width at the end, m; nan without friction."""
+        stick = self._entries[-1].c if self.simulation.history.friction else np.nan
+        return stick * self.simulation.scaled.scales.length
 
     @property
     def dissipated_energy(self) -> float:
-        """Of the last full cycle, or of everything where there is none, J/m."""
+        """Of the last full cycle, or of everything where there is none, J/m; 0 without friction."""
         return self.simulation.history.dissipated_energy * self.simulation.scaled.scales.energy
 
     @cached_property

@@ -14,7 +14,7 @@ from .output import page_figures as figures
 from .output.body_states import read_states
 from .output.files import write_text
 from .output.page_words import CHECKS, FIELDS, PHASES, QUANTITIES, asked, quantity
-from .output.style import style
+from .output.style import left_out, spread, style
 from .scene import SceneError, parse, shown
 from .studies.body_stress import draw
 
@@ -66,12 +66,15 @@ def page(folder: Path) -> str:
         with open(folder / "history.csv", newline="", encoding="utf-8") as file:
             rows = list(csv.DictReader(file))
         scene = (folder / "scene.toml").read_text(encoding="utf-8")
+        words = asked(parse(scene, name=f"scene {shown(folder / 'scene.toml')}"))
         title = summary["title"] or folder.name
-        parts = [_verdict(summary), "<h2>What was asked</h2>", *map(_paragraph, asked(parse(scene)))]
+        parts = [_verdict(summary), "<h2>What was asked</h2>", *map(_paragraph, words)]
         parts += ["<h2>What was found</h2>", _found(summary), _fields(summary), "<h2>Checks</h2>", _checks(summary)]
         if (folder / "fretting.png").is_file():
-            parts.append("<h2>Computed points on the lines of what the run is compared with</h2>")
-            parts.append(_image((folder / "fretting.png").read_bytes(), "computed points on lines", "beside"))
+            has_lines = summary.get("errors") or summary.get("differences")
+            lines = " on the lines of what the run is compared with" if has_lines else ""
+            parts.append(f"<h2>Computed points{lines}</h2>")
+            parts.append(_image((folder / "fretting.png").read_bytes(), "computed points", "beside"))
         parts += [_surface(folder, rows), _body(folder, rows), "<h2>How it was solved</h2>", _solved(summary)]
         parts.append(_history(rows))
         parts.append(f"<details><summary>Scene</summary><pre>{html.escape(scene)}</pre></details>")
@@ -103,7 +106,11 @@ def _found(summary):
                 share = deviations.get(name)
                 row += ["–", "–"] if share is None else [quantity(summary[name] / (1 + share), unit), f"{share:+.1e}"]
             table.append(row)
-    notes = [f"Reference: {summary['reference']}."] if "reference" in summary else []
+    notes = []
+    if summary.get("errors"):
+        notes.append(f"Reference: {summary['reference']}.")
+    elif "reference" in summary:
+        notes.append(f"There is no reference, because {summary['reference'].removeprefix('none: ')}.")
     if summary.get("differences"):
         notes.append(f"Differences are from the {summary['differences_from']}.")
     return (_table(table) if len(table) > 1 else "<p>No result.</p>") + _paragraph(" ".join(notes), "small")
@@ -146,20 +153,21 @@ def _body(folder, rows):
         states = {state.label.partition(",")[0]: state for state in read_states(folder)}
     except SceneError:  # no fields, or other ones were asked for
         return ""
-    states = dict(list(states.items())[:SHOWN_STATES])
+    drawn = spread([*states.values()], SHOWN_STATES)
     half_width = float(rows[-1]["a[m]"])
     with style():
-        lines = -(-len(states) // 3)
+        lines = -(-len(drawn) // 3)
         size = (figures.WIDTH, 2.1 * lines + 0.4)
         figure, axes = plt.subplots(lines, 3, figsize=size, layout="constrained", squeeze=False)
-        scale = max(_below(state, half_width) for state in states.values())
-        for axis, state in zip(axes.flat, states.values(), strict=False):
+        scale = max(_below(state, half_width) for state in drawn)
+        for axis, state in zip(axes.flat, drawn, strict=False):
             filled = draw(axis, state, half_width, scale)
-        for axis in axes.flat[len(states) :]:
+        for axis in axes.flat[len(drawn) :]:
             axis.set_visible(False)
         figure.colorbar(filled, ax=axes.ravel().tolist(), label="von Mises stress [MPa]")
         image = figures.png(figure)
-    return "<h2>Stress in the body</h2>" + _image(image, "von Mises stress below the contact at the recorded states")
+    note = _paragraph(left_out(len(drawn), len(states)), "small")
+    return "<h2>Stress in the body</h2>" + _image(image, "von Mises stress below the contact at recorded states") + note
 
 
 def _below(state, a):

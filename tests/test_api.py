@@ -40,6 +40,13 @@ def test_a_run_gives_arrays_and_leaves_no_files(tmp_path, monkeypatch):
     assert list(tmp_path.iterdir()) == []
 
 
+def test_without_friction_there_is_no_stick_zone():
+    result = run(QUICK | dict.fromkeys(("load.mu", "load.amplitude", "load.cycles")))
+    assert np.isnan(result.c) and result.a > 0
+    assert result.traction.shape == result.slip.shape == (1, result.x.size)
+    assert not result.traction.any() and not result.slip.any() and result.dissipated_energy == 0
+
+
 def test_run_stays_a_function_whatever_was_imported_before():
     from simulations import Simulation, run
 

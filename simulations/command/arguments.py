@@ -68,7 +68,8 @@ def read_request(arguments: list[str], program: str, description: str | None, de
     text = default if given.scene is None else _read(given.scene)
     reference = [] if given.reference is None else [f"reference.kind={json.dumps(given.reference)}"]
     accuracy = [] if given.accuracy is None else [f"solver.accuracy={given.accuracy}"]
-    scene = parse(text, (*given.set, *reference, *accuracy))
+    called = "the scene" if given.scene is None else f"scene {shown(given.scene)}"
+    scene = parse(text, (*given.set, *reference, *accuracy), called)
     name = program.rpartition(".")[2] if given.scene is None else given.scene.stem
     output = Path("results") / name if given.output is None else given.output
     return Request(

@@ -20,7 +20,7 @@ QUANTITIES = {  # of surface.h5: unit and meaning
     "weight": ("m", "length of surface that belongs to a node: sum(weight * pressure) = P_carried"),
     "load_parameter": ("–", "length of the load path so far, in the largest P and the largest Q"),
     "pressure": ("Pa", "contact pressure"),
-    "gap": ("m", "distance between surface and indenter along the normal, f(x) + u_y - delta_y"),
+    "gap": ("m", "distance between surface and indenter along the normal, f(x) - u_y - delta_y with u_y upwards"),
     "traction": ("Pa", "tangential traction on the half-plane, positive along +Q"),
     "slip": ("m", "u_x - delta_x since tangential loading began"),
     "contact_state": ("–", "0 separated, 1 stick (without friction: in contact), 2 slip"),

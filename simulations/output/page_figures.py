@@ -8,7 +8,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from .page_words import prefixed, quantity
-from .style import BLACK, BLUE, COLOURS, GREY, style
+from .style import BLACK, BLUE, COLOURS, GREY, left_out, spread, style
 
 WIDTH = 10.5  # inches, which the page shows as wide as itself
 DENSITY = "frictional_work_of_cycle"  # of surface.h5 [J/m^2]
@@ -25,7 +25,8 @@ def surface(folder: Path, rows: list[dict]) -> bytes | None:
     with h5py.File(folder / "surface.h5") as file:
         data = {name: file[name][()] for name in file if name not in ("state", "branch")}
         states = file["state"].asstr()[()]
-    shown = _named(states) or {"last state": len(states) - 1}
+    named = _named(states)
+    shown = dict(spread([*named.items()])) or {"last state": len(states) - 1}
     pressed = np.flatnonzero(data["pressure"].max(axis=0) > 0)
     reach = 1.12 * np.abs(data["x"][pressed]).max()
     panels = [("pressure", "pressure p", "Pa")]
@@ -39,13 +40,14 @@ def surface(folder: Path, rows: list[dict]) -> bytes | None:
         for name, words, unit in panels:
             _states(free.pop(0), data, name, words, unit, shown, reach)
         if DENSITY in data:
-            _density(free.pop(0), data, reach)
+            _density(free.pop(0), data, reach, has_cycle=int(rows[-1]["cycle"]) > 0)
         if "traction" in data:
             _loop(free.pop(0), free.pop(0), rows, shown)
         for axis in free:
             axis.set_visible(False)
         labels = [_label(state, data, place) for state, place in shown.items()]
-        figure.legend(axes[0, 0].lines, labels, loc="outside lower center", ncols=len(labels))
+        title = left_out(len(shown), len(named))
+        figure.legend(axes[0, 0].lines, labels, loc="outside lower center", ncols=len(labels), title=title)
         return png(figure)
 
 
@@ -62,8 +64,8 @@ def convergence(rows: list[dict]) -> bytes:
 
 
 def _named(states) -> dict[str, int]:
-    """The last state of each name, in the order of the names."""
-    return dict(sorted({name: i for i, name in enumerate(states) if name}.items())[: len(COLOURS)])
+    """The last state of each name, in the order in which the names first come."""
+    return {name: i for i, name in enumerate(states) if name}
 
 
 def _label(state, data, place):
@@ -87,13 +89,14 @@ def _states(axis, data, name, words, unit, shown, reach):
         axis.set(ylim=(-top, top) if top > 0 else None)
 
 
-def _density(axis, data, reach):
+def _density(axis, data, reach, has_cycle):
+    """Frictional work of the last cycle; where there is none, of all load steps."""
     length, metres = prefixed(reach, "m")
     density = data[DENSITY]
     size, label = prefixed(np.abs(density).max(), "J/m²")
     axis.plot(data["x"] / length, density / size, color=BLACK)
     axis.set(xlim=(-reach / length, reach / length), xlabel=f"position x [{metres}]")
-    axis.set(ylabel=f"energy of the cycle w [{label}]")
+    axis.set(ylabel=f"energy of {'the cycle' if has_cycle else 'all load steps'} w [{label}]")
 
 
 def _loop(axis, narrow, rows, shown):

@@ -21,12 +21,16 @@ CHECKS = {
     "gap >= 0": "deepest overlap outside the contact, over the depth of the contact",
     "|q| <= mu p": "traction above the friction limit μp, over the largest μp",
     "slip against q": "work that sliding points gain from friction, over the most they can lose",
-    "pressure wiggles": "pressure going up and down from node to node, over its range",
-    "traction wiggles": "traction going up and down from node to node, over its range",
+    "pressure zigzags": "pressure going up and down from node to node, over its range",
+    "traction zigzags": "traction going up and down from node to node, over its range",
     "error of pressure": "error of the pressure at the worst state, less what the reference's own error explains",
     "error of traction": "the same of the traction",
     "error of a": "the same of the contact half-width",
     "error of dissipated_energy": "the same of the dissipated energy",
+}
+EFFECTS = {  # what it means that they are on
+    "load schedule": "load schedule (cycles or a path)",
+    "indenter profile": "indenter profile (other than the parabola)",
 }
 PHASES = {
     "edges": "rough solution for the edges",
@@ -103,6 +107,9 @@ def _load(scene: Scene) -> str:
 
 def _physics(scene: Scene) -> str:
     verdicts = Effects(scene).verdicts
-    on, off = (", ".join(name for name, v in verdicts.items() if v.on is which) or "none" for which in (True, False))
+    on, off = (
+        ", ".join(EFFECTS.get(name, name) for name, v in verdicts.items() if v.on is which) or "none"
+        for which in (True, False)
+    )
     note = " Coupling vanishes at the Holl ratio." if scene.is_decoupled and verdicts["coupling"].on else ""
     return f"Effects that are on: {on}; off: {off}.{note}"

@@ -10,11 +10,10 @@ from ..runs.history import Entry, History
 from ..runs.simulation import Simulation
 from ..runs.springs import Springs
 from .files import on_disk
-from .style import COLOURS, GREY, MARKERS, in_words
+from .style import COLOURS, GREY, MARKERS, in_words, left_out, spread
 
 STYLES = ("-", "--")
 DOTS = 45  # computed points shown a curve
-MOST_STATES = 5
 REACH = 1.15  # drawn part of the surface, in contact half-widths
 LOOKS = {"font.size": 10, "axes.grid": True, "grid.alpha": 0.3, "legend.fontsize": 9, "legend.frameon": False}
 WORST = {"marker": "o", "ms": 9, "mfc": "none", "mec": "k", "mew": 1.0, "ls": "none"}  # a ring around the worst node
@@ -48,10 +47,14 @@ def plot_run(path: Path, title: str, simulation: Simulation, lines: dict[str, Re
             plt.close(figure)
 
 
+def _named(history: History) -> list[Entry]:
+    """The last state of each name, in the order in which the names first come."""
+    return [*{e.increment.state: e for e in history.entries if e.increment.state}.values()]
+
+
 def _states(history: History) -> list[Entry]:
-    """The last states by name, in the order in which they come."""
-    named = {e.increment.state: e for e in history.entries if e.increment.state}
-    return sorted(named.values(), key=lambda entry: entry.increment.state)[:MOST_STATES]
+    """The states that are shown, the last named one among them."""
+    return spread(_named(history))
 
 
 def _in_si(value, unit):
@@ -187,7 +190,11 @@ def _legend(figure, simulation, lines):
     handles += [plt.Line2D([], [], ls=s, color=GREY, lw=1, label=label) for label, s in zip(lines, STYLES)]
     if lines:
         handles += [plt.Line2D([], [], **WORST, label=f"node farthest from the {next(iter(lines))}")]
-    note = r"$f(a)$: height of the indenter at $x = a$;  $\alpha$: equation (37)" if history.friction else ""
+    note = ""
+    if history.friction:
+        shown = left_out(len(_states(history)), len(_named(history)))
+        symbols = r"$f(a)$: height of the indenter at $x = a$;  $\alpha$: equation (37)"
+        note = ";  ".join(filter(None, (symbols, shown)))
     figure.legend(handles=handles, loc="lower center", ncols=5 if history.friction else 2, title=note, title_fontsize=9)
 
 

@@ -5,6 +5,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import matplotlib.pyplot as plt
+import numpy as np
 from matplotlib.ticker import MaxNLocator
 
 from ..scene import Scene, tables
@@ -39,6 +40,17 @@ def in_words(scene: Scene) -> str:
         Q = max(abs(Q) for _, Q in scene.load.points)
         values.append(f"{len(scene.load.points)} points of (P, Q), |Q| ≤ {Q:.4g} N/m")
     return ",  ".join(values)
+
+
+def spread(states: list, most: int = len(COLOURS)) -> list:
+    """All states, or ``most`` evenly spread ones of more: the first and the last are among them."""
+    places = np.linspace(0, len(states) - 1, min(len(states), most)).round().astype(int)
+    return [states[i] for i in places]
+
+
+def left_out(shown: int, states: int) -> str:
+    """How many of the states are shown, in words; "" where all are."""
+    return f"{shown} of {states} states shown" if shown < states else ""
 
 
 @contextmanager

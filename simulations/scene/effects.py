@@ -87,7 +87,7 @@ def friction(scene: Scene) -> Verdict:
     if not scene.friction:
         return Verdict(False, "no tangential load", "no tangential unknown, term or result")
     load = f"Q_A = {scene.load.amplitude:g} mu P" if scene.is_loop else "load.points"
-    terms = "tangential contact terms, delta_x, memory of slip"
+    terms = "tangential contact terms, delta_x, anchors of stick"
     return Verdict(True, f"mu = {scene.load.mu:g}, {load}", terms)
 
 
@@ -159,7 +159,9 @@ def profile(scene: Scene) -> Verdict:
     """The indenter's shape, the parabola unless another is asked for."""
     shape = scene.indenter.profile
     formula = getattr(scene.indenter, "formula", "")
-    return Verdict(shape != "parabola", f"{shape} {formula}".strip(), "nodal values of f(x), its own closed form")
+    if shape == "parabola":
+        return Verdict(False, shape, "no other profile")
+    return Verdict(True, f"{shape} {formula}".strip(), "nodal values of f(x), its own closed form")
 
 
 ALL: list[Effect] = []

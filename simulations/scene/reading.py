@@ -28,10 +28,13 @@ cycles = 1
 """
 
 
-def parse(text: str, overrides: tuple[str, ...] = ()) -> Scene:
-    """Scene from TOML text and ``key=value`` overrides; SceneError says in one line what is wrong."""
+def parse(text: str, overrides: tuple[str, ...] = (), name: str = "the scene") -> Scene:
+    """Scene from TOML text and ``key=value`` overrides; SceneError says in one line what is wrong.
+
+    name: what it calls a text that is not TOML.
+    """
     changes: dict[str, Any] = {}
-    given = read_keys(text)
+    given = read_keys(text, name)
     for override in overrides:
         key, equals, value = override.partition("=")
         if not equals:

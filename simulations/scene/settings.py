@@ -35,7 +35,8 @@ class Mesh(Table):
         ge=4,
         le=1e4,
         description="half-width and depth of the domain; multiplied by 5 for a coated body, for bulk strain, and with "
-        "coupling unless ν is the Holl ratio. Where a coating is thicker than a its unit is the thickness",
+        "coupling unless ν is the Holl ratio (coupling with k < 0: by 5^(1/(1+k)), at most by 10). Where a coating is "
+        "thicker than a its unit is the thickness",
     )
     degree: Count = Field(default=2, ge=1, le=3, description="polynomial degree of the displacements")
     edges: Literal["turns", "states"] = Field(

@@ -1,20 +1,30 @@
 """Scenes as text: TOML to flat keys, and values back to TOML. What they mean is checked elsewhere."""
 
 import json
+import re
 import tomllib
 from typing import Any
 
 from .errors import SceneError, one_line, shown
 
 
-def read_keys(text: str) -> dict[str, Any]:
-    """The flat keys of a TOML text as they are written, unchecked."""
+def read_keys(text: str, name: str = "the scene") -> dict[str, Any]:
+    """The flat keys of a TOML text as they are written, unchecked. name: what a SceneError calls the text."""
     try:
         return flatten(tomllib.loads(text))
     except SceneError:
         raise
     except (ValueError, RecursionError) as error:  # too long a number, too deep a list
-        raise SceneError(f"the scene is not TOML: {one_line(str(error))}") from None
+        raise SceneError(f"{name} is not TOML: {one_line(str(error))}{_quoted(text, str(error))}") from None
+
+
+def _quoted(text: str, message: str) -> str:
+    """The line at which reading a TOML text ended, as the end of the message; "" where the message names no place."""
+    place = re.search(r"\(at (?:line (\d+), column \d+|end of document)\)$", message)
+    if not place:
+        return ""
+    line = text.split("\n")[int(place[1]) - 1] if place[1] else text.rstrip().split("\n")[-1]
+    return f": {shown(line.strip())}"
 
 
 def read_value(text: str):

@@ -129,6 +129,22 @@ def test_functions_of_dolfinx(folder):
         assert inside @ (mean - written) ** 2 < 0.02**2 * (inside @ written**2), name
 
 
+def test_the_gap_is_that_of_the_fields(folder):
+    """f(x) - u_y - delta_y with u_y upwards, at every node of the surface and far from the middle too."""
+    last = pandas.read_csv(folder / "history.csv").iloc[-1]
+    with h5py.File(folder / "fields" / f"{last['increment']:06d}.h5") as state, h5py.File(
+        folder / "fields" / "mesh.h5"
+    ) as mesh:
+        points, u = mesh["points"][...], state["displacement"][...]
+    with h5py.File(folder / "surface.h5") as file:
+        x, gap, meaning = file["x"][...], file["gap"][-1], file["gap"].attrs["meaning"]
+    assert meaning.endswith("f(x) - u_y - delta_y with u_y upwards")
+    top = points[:, 1] == 0
+    order = np.argsort(points[top, 0])
+    u_y = np.interp(x, points[top, 0][order], u[top, 1][order])
+    assert gap == pytest.approx(x**2 / (2 * 0.1) - u_y - last["delta_y[m]"], abs=1e-9 * np.abs(u_y).max())
+
+
 def y0(folder):
     lines = (folder / "scene.toml").read_text().splitlines()
     return float(next(line.partition("=")[2] for line in lines if line.startswith("y0 =")))

@@ -4,12 +4,15 @@ import csv
 import json
 import shutil
 from html.parser import HTMLParser
+from types import SimpleNamespace
 
 import h5py
+import matplotlib.pyplot as plt
 import pytest
 from running import coarse_arguments
 
 from simulations import fretting, report
+from simulations.output import page_figures, plots
 from simulations.output.page_figures import DENSITY, surface
 from simulations.output.page_words import CHECKS, QUANTITIES, asked, quantity
 from simulations.scene import SceneError, make_scene
@@ -93,6 +96,81 @@ def test_the_density_of_the_energy_is_drawn_where_the_run_has_it(folder):
         assert file[DENSITY].shape == file["x"].shape
         del file[DENSITY]
     assert len(surface(folder, rows)) < 0.97 * len(drawn)  # bytes of the picture
+
+
+POINTS = [[1e6, 0.0]] + 5 * [[1e6, 1e5], [1e6, -1e5]]
+
+
+@pytest.fixture(scope="module")
+def path(tmp_path_factory):
+    """Folder of a run along ten points after the first, which is compared with nothing."""
+    folder = tmp_path_factory.mktemp("path")
+    scene = make_scene(dict.fromkeys(("load.P", "load.amplitude", "load.cycles")) | {"load.points": POINTS})
+    (folder / "path.toml").write_text(scene.to_toml())
+    quick = coarse_arguments(folder / "run", solver__increments=1, reference__kind='"none"')
+    fretting.main([str(folder / "path.toml"), *quick, "--quiet"])
+    return folder / "run"
+
+
+def drawn_surface(folder, monkeypatch):
+    """The figure of the surface before it becomes a picture."""
+    monkeypatch.setattr(page_figures, "png", lambda figure: figure)
+    with (folder / "history.csv").open() as file:
+        return surface(folder, list(csv.DictReader(file)))
+
+
+def test_states_of_a_long_path_are_shown_in_the_order_of_the_load_steps(path, monkeypatch):
+    """Five of them, the first and the last among them; the figure says how many there are."""
+    figure = drawn_surface(path, monkeypatch)
+    (legend,) = figure.legends
+    assert [text.get_text().split(":")[0] for text in legend.get_texts()] == ["1", "3", "5", "8", "10"]
+    assert legend.get_title().get_text() == "5 of 10 states shown"
+    assert any(axis.get_ylabel().startswith("energy of all load steps w") for axis in figure.axes)
+    plt.close(figure)
+
+
+def test_all_states_of_a_loop_are_shown(folder, monkeypatch):
+    figure = drawn_surface(folder, monkeypatch)
+    (legend,) = figure.legends
+    assert [text.get_text().split(":")[0] for text in legend.get_texts()] == ["A", "B", "C", "D", "E"]
+    assert legend.get_title().get_text() == ""
+    assert any(axis.get_ylabel().startswith("energy of the cycle w") for axis in figure.axes)
+    plt.close(figure)
+
+
+@pytest.mark.parametrize(
+    "names, shown, said",
+    [
+        (["", *map(str, range(1, 12))], ["1", "3", "6", "9", "11"], True),
+        (["", "A", "B", "C", "D", "E", "A"], ["A", "B", "C", "D", "E"], False),
+        (["", "A"], ["A"], False),
+    ],
+    ids=["path", "loop", "one"],
+)
+def test_states_of_the_picture(names, shown, said):
+    """Likewise in fretting.png; of a name that comes twice the last state."""
+    steps = [SimpleNamespace(state=name, Q=0.1 * i, P=1.0) for i, name in enumerate(names)]
+    history = SimpleNamespace(entries=[SimpleNamespace(increment=step) for step in steps], friction=True)
+    assert [entry.increment.state for entry in plots._states(history)] == shown
+    figure = plt.figure()
+    plots._legend(figure, SimpleNamespace(history=history, mu=0.5), {})
+    (legend,) = figure.legends
+    texts = [text.get_text() for text in legend.get_texts()]
+    assert texts[0].startswith(f"{shown[0]}: $Q = {2 * 0.1 * (len(names) - 1 - names[::-1].index(shown[0])):+.2f}")
+    assert ("5 of 11 states shown" in legend.get_title().get_text()) is said
+    plt.close(figure)
+
+
+def test_page_without_a_reference(path, folder):
+    """It promises no lines, says why there is no reference, and what effects that are on mean."""
+    text = Page(report.page(path)).text
+    assert "There is no reference, because reference.kind = none." in text
+    assert "Computed points " in text and "on the lines of what" not in text
+    assert "6 of 11 states shown" in text  # of the body: the end of the normal stage too
+    assert "load schedule (cycles or a path)" in text.split("off:")[0]
+    assert "indenter profile (other than the parabola)" in text.split("off:")[1]
+    beside = Page(report.page(folder)).text
+    assert "on the lines of what" in beside and "Reference: closed form" in beside and "states shown" not in beside
 
 
 def test_page_of_a_run_that_stopped(folder):
