@@ -30,7 +30,7 @@ from ..scene import Scene, SceneError, make_scene
 from .commandline import make_folders, study_parser
 from .engine import FAILED as NO_ROW
 from .engine import Item, run_all, workers
-from .stability_report import AFTER, FAILED, GREEN, REFUSED, UNJUDGED, WRONG, picture, summary, table
+from .stability_report import FAILED, FAILING, GREEN, REFUSED, UNJUDGED, WRONG, picture, summary, table
 from .store import Store
 
 CASES = Path(__file__).with_suffix(".toml")
@@ -123,7 +123,7 @@ def _measure(scene: Scene, every_state: bool) -> dict:
     off = {name: c for name, c in check_errors(errors, own).items() if not c.holds}
     outcome, why = GREEN, ""
     if defects:
-        outcome, why = REFUSED, f"{AFTER}: {_told(defects, checks.values())}"
+        outcome, why = FAILING, _told(defects, checks.values())
     elif off:
         why = _told({name: c.value for name, c in off.items()}, off.values())
         outcome = WRONG if LARGE in why else UNJUDGED

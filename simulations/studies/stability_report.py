@@ -8,16 +8,24 @@ import numpy as np
 
 from ..output import style
 
-GREEN, REFUSED, FAILED, UNJUDGED, WRONG = "green", "refused", "no answer", "not judged", "wrong"
-COLOURS = {GREEN: style.GREEN, REFUSED: style.ORANGE, FAILED: style.BLUE, UNJUDGED: style.GREY, WRONG: style.RED}
+GREEN, REFUSED, FAILING, FAILED = "green", "refused", "checks fail", "no answer"
+UNJUDGED, WRONG = "not judged", "wrong"
+COLOURS = {
+    GREEN: style.GREEN,
+    REFUSED: style.ORANGE,
+    FAILING: style.PURPLE,
+    FAILED: style.BLUE,
+    UNJUDGED: style.GREY,
+    WRONG: style.RED,
+}
 MEANING = {
     GREEN: "converged, all checks hold",
-    REFUSED: "refused with the reason",
+    REFUSED: "refused before the solve",
+    FAILING: "converged, but checks fail, and the run says so",
     FAILED: "without an answer",
     UNJUDGED: "off a reference that is known worse than the limit",
     WRONG: "off the reference though all checks hold",
 }
-AFTER = "after the solve"  # begins the reason of a run that its own checks refuse
 HELPS = "may help"  # ends the causes of checks that fail and have an action
 ACTIONS = {  # of what fails after the solve, where no cause tells it; the first that fits
     "slip against q": "solver.theta = 0 or a larger solver.gamma0",
@@ -80,7 +88,7 @@ def action(row: dict) -> str:
             "effects.elastic_slip, a coarser mesh.edge_facet or more solver.increments; "
             "with solver.theta ≠ 0 a larger solver.gamma0"
         )
-    if row["outcome"] == REFUSED and not why.startswith(AFTER):
+    if row["outcome"] == REFUSED:
         return "the value that the reason names"
     if row["outcome"] in (UNJUDGED, WRONG):
         return why.rpartition("; ")[2]
@@ -101,7 +109,7 @@ def picture(path: Path, rows: list[dict]):
     figure, (left, right) = plt.subplots(
         1, 2, figsize=(11, height), sharey=True, layout="constrained", width_ratios=(3, 2)
     )
-    markers = {GREEN: "o", REFUSED: "s", FAILED: "^", UNJUDGED: "D", WRONG: "X"}
+    markers = {GREEN: "o", REFUSED: "s", FAILING: "v", FAILED: "^", UNJUDGED: "D", WRONG: "X"}
     for place, cases in enumerate(studies.values()):
         for number, case in enumerate(cases):
             outcome = case["outcome"]
