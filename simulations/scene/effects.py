@@ -13,6 +13,9 @@ from .settings import add_switches
 from .tables import Path
 
 
+ELASTIC_SLIP = "elastic slip (regularised)"  # a name
+
+
 @dataclass(frozen=True)
 class Verdict:
     """Whether an effect is on, why, and what it adds to the problem or what is left out without it."""
@@ -30,7 +33,7 @@ class Effect:
     Those of the effects below are fields of ``EffectSwitches``.
     work: function of scene and scales that returns the term of the virtual work, itself a function
     ``(body, v) -> form`` linear in ``body.u``; None where the effect is built into the contact problem.
-    keeps_reference: True where closed forms and half-plane solver describe the physics with this effect too.
+    keeps_reference: True where closed forms or the half-plane solver describe the physics with this effect too.
     """
 
     name: str
@@ -52,7 +55,7 @@ class Effects:
         on = [effect for effect in ALL if effect.name in self]
         self.without_reference = [effect.name for effect in on if not effect.keeps_reference]
         self.has_closed_form = scene.contact_has_closed_form and not self.without_reference
-        if "bulk strain" in self and scene.stretched_loop is None:
+        if ELASTIC_SLIP in self or ("bulk strain" in self and scene.stretched_loop is None):
             self.has_closed_form = False
 
     def __contains__(self, name: str) -> bool:
@@ -189,7 +192,7 @@ add(
     Effect("friction", friction, keeps_reference=True),
     Effect("symmetry", symmetry, keeps_reference=True),
     Effect("coupling", coupling, keeps_reference=True),
-    Effect("elastic slip (regularised)", elastic_slip),
+    Effect(ELASTIC_SLIP, elastic_slip, keeps_reference=True),
     Effect("friction in normal stage", friction_in_normal_stage, keeps_reference=True),
     Effect("incompressibility", incompressibility, keeps_reference=True),
     Effect("load schedule", load_schedule, keeps_reference=True),
