@@ -187,7 +187,7 @@ class Newton:
 
         def residual(x):
             self._residual(self.snes, x, self._f)
-            return self._f, self._norms[0], self._balanced()
+            return self._f, self._balanced()
 
         steps, arrived = follow(self.system, self.x, residual, load, self._most_followed)
         residual(self.x)

@@ -24,25 +24,23 @@ from ..fem.contact_problem import X, Y
 from ..fem.load import Load
 from .system import System
 
-AWAY = 1.0  # force residual over P beyond which a path that has turned round leads away
 HELD = 1e-9  # of the farthest way of the indenter
 BEYOND = 1e-6, 1e-9  # how much further than to a change a step goes, past round-off: of its length, and of a whole step
 
-Residual = Callable[[PETSc.Vec], tuple[PETSc.Vec, float, bool]]
+Residual = Callable[[PETSc.Vec], tuple[PETSc.Vec, bool]]
 
 
 def follow(system: System, x: PETSc.Vec, residual: Residual, load: Load, most: int) -> tuple[int, bool]:
     """Lead ``x`` along the path to ``load``; how many steps it took, and whether it arrived.
 
-    residual: renews the fields at an x; returns the residual there, its norm over P, and whether loads and forces
-    balance; most: steps.
+    residual: renews the fields at an x; returns the residual there, and whether loads and forces balance; most: steps.
     """
     terms, comm = system.problem.terms, system.problem.body.mesh.comm
     step, end = x.duplicate(), x.duplicate()
     direction, whole, free = 1.0, False, False
     entered: tuple[np.ndarray, int] | None = None  # the condition that the last step broke, on the rank of its point
     for number in range(most):
-        f, norm, balanced = residual(x)
+        f, balanced = residual(x)
         if balanced:
             return number, True
         trials, conditions = terms.trials(), _conditions(terms.contact_states(), system.problem.mu)
@@ -55,8 +53,6 @@ def follow(system: System, x: PETSc.Vec, residual: Residual, load: Load, most: i
             free, entered = True, None
             continue
         free = False
-        if direction < 0 and norm > AWAY:
-            return number, False
         end.waxpy(-1.0, step, x)
         residual(end)
         change = terms.trials() - trials
