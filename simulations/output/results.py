@@ -118,9 +118,13 @@ class Results:
 
     def judge_accuracy(self, check: Check, accuracy: dict):
         """One more check of a run that has ended, and what it was made from, on rank 0; collective."""
-        if self.findings:
-            self.findings.checks["accuracy"] = check
-            self._write_summary(accuracy=accuracy)
+
+        def write():
+            if self.findings:
+                self.findings.checks["accuracy"] = check
+                self._write_summary(accuracy=accuracy)
+
+        self._everywhere(write)
         self.failing = self.comm.bcast(self.failing)
 
     def _write_summary(self, **more):

@@ -24,7 +24,7 @@ from ..fem.contact_problem import X, Y
 from ..fem.load import Load
 from .system import System
 
-HELD = 1e-9  # of the farthest way of the indenter
+HELD = 1e-3, 200  # of the way on which a point sticks: where the indenter is held; halvings that take it there
 BEYOND = 1e-6, 1e-9  # how much further than to a change a step goes, past round-off: of its length, and of a whole step
 
 Residual = Callable[[PETSc.Vec], tuple[PETSc.Vec, bool]]
@@ -93,11 +93,13 @@ def _hold_indenter(system, x, residual, Q) -> bool:
     trials = terms.trials()
     at(1.0)
     stiffness = np.abs(terms.trials()[X] - trials[X])
-    beyond = np.abs(trials[X]) + system.problem.mu * np.maximum(trials[Y], 0.0)
-    reach = comm.allreduce(float(np.max(beyond / stiffness, initial=0.0)), MPI.MAX)
+    limit = system.problem.mu * np.maximum(trials[Y], 0.0)
+    reach = comm.allreduce(float(np.max((np.abs(trials[X]) + limit) / stiffness, initial=0.0)), MPI.MAX)
+    within = comm.allreduce(float(np.max(limit / stiffness, initial=0.0)), MPI.MAX)
     if not excess(-reach) * excess(reach) < 0.0:
         return False
-    at(brentq(excess, -reach, reach, xtol=HELD * reach)).copy(x)
+    share, halvings = HELD
+    at(brentq(excess, -reach, reach, xtol=share * within, maxiter=halvings)).copy(x)
     return True
 
 

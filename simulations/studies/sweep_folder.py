@@ -7,7 +7,6 @@ and files that no sweep wrote are not replaced.
 from collections.abc import Iterable
 from pathlib import Path
 
-from ..output.files import OutputError
 from ..output.folder import FILES, remove_run
 from ..scene import SceneError, shown
 from .store import Store
@@ -40,5 +39,5 @@ def take(folder: Path, keys: Iterable[str], overwrite: bool) -> Store:
             store.path.unlink(missing_ok=True)
         store.path.touch()  # tells that the table is a sweep's, though all scenes may fail
     except OSError as error:
-        raise OutputError(f"{folder} cannot be written: {error.strerror or error}") from None
+        raise SceneError(f"{start}{error.strerror or error}") from None
     return store

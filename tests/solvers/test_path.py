@@ -61,6 +61,16 @@ def test_where_all_points_slide_the_indenter_is_held(monkeypatch):
         shrunk()
 
 
+def test_a_first_contact_of_three_nodes_that_hardly_sticks():
+    """Where all points slide the indenter is held where one sticks, which is on less than 1e-9 of its way there."""
+    scene = {"solid.E0": 210e9, "solid.k": -0.716, "solid.nu": -0.081, "solid.y0_over_a0": 10.0, "indenter.R": 0.1}
+    load = {"load.P": 1e6, "load.mu": 0.0446, "load.amplitude": 0.622, "effects.friction_in_normal_stage": True}
+    simulation = Simulation(MPI.COMM_SELF, make_scene(scene | load | {"solver.increments": 4}, base=None))
+    entries = [entry for entry, _ in zip(simulation.run(), range(2))]
+    assert [entry.cuts for entry in entries] == [0, 0]
+    assert np.count_nonzero(entries[0].surface.pressure) == 3
+
+
 @pytest.mark.parametrize("fallbacks, cuts", [(Options().fallbacks, 0), (("jumping Newton", "Newton"), 1)])
 def test_a_new_pressure_without_coupling_is_sought_like_any_state(monkeypatch, fallbacks, cuts):
     """Under a new P the frictionless contact is solved beneath the tangential one: along the path, or in half steps."""
