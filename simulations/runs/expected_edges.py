@@ -10,7 +10,7 @@ from analytic import FrettingLoop, HalfPlaneContact, SpringPath, contact_edges
 
 from ..fem.load import Load
 from ..scene import Scene
-from ..scene.effects import ELASTIC_SLIP, Effects
+from ..scene.effects import Effects
 from ..scene.scaling import Scaled
 from .limits import expected_error, size_for
 
@@ -39,7 +39,7 @@ def half_plane_solver(scene: Scene, scaled: Scaled, effects: Effects, nodes: int
         coupling="coupling" in effects,
         friction_in_normal_stage="friction in normal stage" in effects,
         nodes=nodes,
-        elastic=scaled.elastic_compliance(scene) if ELASTIC_SLIP in effects else 0.0,
+        elastic=scaled.elastic_compliance(scene),
     )
 
 

@@ -8,7 +8,6 @@ from math import ceil, log2
 
 import numpy as np
 
-from ..scene.effects import ELASTIC_SLIP
 from .checks import ERRORS
 from .comparison import Reference, own_errors
 from .coupled_loop import grades, serves
@@ -35,13 +34,7 @@ def neglected(simulation: Simulation) -> list[str]:
     """Effects of a simulation that its closed form, where there is one, leaves out."""
     coupled = "coupling" in simulation.effects and not simulation.scene.contact_has_closed_form
     strained = "bulk strain" in simulation.effects and simulation.stretched is None
-    names = ["coupling"] * coupled + ["bulk strain"] * strained + [ELASTIC_SLIP] * is_elastic(simulation)
-    return names + simulation.effects.without_reference
-
-
-def is_elastic(simulation: Simulation) -> bool:
-    """Whether stuck points slip elastically, which of the references only the mesh-free solver knows."""
-    return ELASTIC_SLIP in simulation.effects
+    return ["coupling"] * coupled + ["bulk strain"] * strained + simulation.effects.without_closed_form
 
 
 def expected_seconds(simulation: Simulation) -> float:
@@ -50,7 +43,7 @@ def expected_seconds(simulation: Simulation) -> float:
     if kind == "none" or (simulation.effects.has_closed_form and kind != "half-plane"):
         return 0.0
     seconds = simulation.watch.seconds.get("edges", 0.0)
-    if grades(simulation.scene, simulation.effects) and not is_elastic(simulation):
+    if grades(simulation.scene, simulation.effects) and not simulation.effects.without_closed_form:
         return seconds  # the edges are the reference's; its error takes as long again
     shares = len(simulation.schedule) / (ROUGH_INCREMENTS if simulation.scene.is_loop else len(simulation.schedule))
     return ROUGH_TIMES * shares * steps_for_one(simulation) / FINER * seconds
@@ -69,7 +62,7 @@ def of_same_physics(simulation: Simulation, tell: Tell | None = None) -> Referen
         return exact
     if kind == "closed form":
         raise NoReference("there is no closed form of this problem, and reference.kind = closed form")
-    if serves(simulation.scene, simulation.effects) and not is_elastic(simulation):
+    if serves(simulation.scene, simulation.effects) and not simulation.effects.without_closed_form:
         try:
             return StepFree(simulation, estimated=True)
         except NoReference:  # the other solver may

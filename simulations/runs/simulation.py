@@ -15,7 +15,6 @@ from ..fem.parallel import on_root
 from ..fem.surface import SurfaceSampler
 from ..loading.stepping import LoadStepping, SolveError
 from ..scene import Scene
-from ..scene.effects import ELASTIC_SLIP
 from ..scene.solid import normal_contact
 from ..solvers.condensed.surface_compliance import SurfaceCompliance
 from ..solvers.condensed.system import CondensedSystem
@@ -88,7 +87,7 @@ class Simulation(Meshed):
             frictional = None
             if scene.friction:
                 directions = (X, Y) if "coupling" in self.effects else (X,)
-                elastic = self.scaled.elastic_compliance(scene) if ELASTIC_SLIP in self.effects else 0.0
+                elastic = self.scaled.elastic_compliance(scene)
                 frictional = ContactProblem(self.body, indenter.height, nitsche, directions, self.mu, elastic)
         pressing = self.pressing_with_friction()
         self.solver = LoadStepping(
@@ -184,7 +183,7 @@ class Simulation(Meshed):
         """The exact contact under P = 1 where it is pressed on with friction and grows similar to itself, else None."""
         on, profile = self.effects, self.scaled.indenter.analytic()
         alike = "friction in normal stage" in on and "coupling" in on and self.scene.is_power_law
-        if not alike or not isinstance(profile, PowerProfile) or on.without_reference or ELASTIC_SLIP in on:
+        if not alike or not isinstance(profile, PowerProfile) or on.without_closed_form:
             return None
         return PressingWithFriction(self.scaled.solid, profile, self.mu, 1.0, STUCK_TERMS)
 

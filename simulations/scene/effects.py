@@ -13,9 +13,6 @@ from .settings import add_switches
 from .tables import Path
 
 
-ELASTIC_SLIP = "elastic slip (regularised)"  # a name
-
-
 @dataclass(frozen=True)
 class Verdict:
     """Whether an effect is on, why, and what it adds to the problem or what is left out without it."""
@@ -33,7 +30,8 @@ class Effect:
     Those of the effects below are fields of ``EffectSwitches``.
     work: function of scene and scales that returns the term of the virtual work, itself a function
     ``(body, v) -> form`` linear in ``body.u``; None where the effect is built into the contact problem.
-    keeps_reference: True where closed forms or the half-plane solver describe the physics with this effect too.
+    keeps_reference: True where closed forms or the half-plane solver describe the physics with this effect too;
+    mesh_free_only: where of these only the mesh-free solver does.
     """
 
     name: str
@@ -41,21 +39,24 @@ class Effect:
     keys: Mapping[str, tuple[Any, Any]] = field(default_factory=dict)
     work: Callable | None = None
     keeps_reference: bool = False
+    mesh_free_only: bool = False
 
 
 class Effects:
     """The effects of a scene, by name:  ``"friction" in effects``; ``verdicts`` has all of them.
 
-    ``without_reference``: names of those that are on and that no reference describes; ``has_closed_form``: True where
-    the closed forms describe the same problem.
+    ``without_reference``: names of those that are on and that no reference describes; ``without_closed_form``: these,
+    and those that only the mesh-free solver describes; ``has_closed_form``: True where the closed forms describe the
+    same problem.
     """
 
     def __init__(self, scene: Scene):
         self.verdicts = {effect.name: effect.judge(scene) for effect in ALL}
         on = [effect for effect in ALL if effect.name in self]
         self.without_reference = [effect.name for effect in on if not effect.keeps_reference]
-        self.has_closed_form = scene.contact_has_closed_form and not self.without_reference
-        if ELASTIC_SLIP in self or ("bulk strain" in self and scene.stretched_loop is None):
+        self.without_closed_form = [e.name for e in on if e.mesh_free_only or not e.keeps_reference]
+        self.has_closed_form = scene.contact_has_closed_form and not self.without_closed_form
+        if "bulk strain" in self and scene.stretched_loop is None:
             self.has_closed_form = False
 
     def __contains__(self, name: str) -> bool:
@@ -192,7 +193,7 @@ add(
     Effect("friction", friction, keeps_reference=True),
     Effect("symmetry", symmetry, keeps_reference=True),
     Effect("coupling", coupling, keeps_reference=True),
-    Effect(ELASTIC_SLIP, elastic_slip, keeps_reference=True),
+    Effect("elastic slip (regularised)", elastic_slip, keeps_reference=True, mesh_free_only=True),
     Effect("friction in normal stage", friction_in_normal_stage, keeps_reference=True),
     Effect("incompressibility", incompressibility, keeps_reference=True),
     Effect("load schedule", load_schedule, keeps_reference=True),

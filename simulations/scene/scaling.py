@@ -70,7 +70,11 @@ class Scaled:
         return cls(scales, law, solid, indenter, contact)
 
     def elastic_compliance(self, scene: Scene) -> float:
-        """Compliance of elastic slip: ``effects.elastic_slip`` over the friction mu P/(2a) of the mean pressure."""
+        """Compliance of elastic slip: ``effects.elastic_slip`` over the friction mu P/(2a) of the mean pressure; 0
+        without it.
+        """
+        if not scene.friction:
+            return 0.0
         return 2.0 * (scene.effects.elastic_slip or 0.0) / self.scales.displacement / scene.mu
 
     @cached_property
