@@ -14,8 +14,8 @@ from .command.command import NO_SOLUTION, Parser, comm, on_root, run, say, writa
 from .runs.checks import ChecksFailed
 from .scene import DEFAULT_SCENE, SceneError
 from .studies.engine import workers
-from .studies.sweep_folder import TABLE
-from .studies.sweeping import Table, run_sweep, sweep, take_folder
+from .studies.sweep_folder import TABLE, take
+from .studies.sweeping import Table, items_of, run_sweep, sweep
 from .studies.variation import check, product, read_table, read_text, read_vary
 from .version import __version__
 
@@ -28,8 +28,7 @@ def main(arguments: list[str]):
     with workers(comm) as executor:
         if comm.rank == 0:
             tell(f"{len(given.cases)} scenes on {comm.size} rank(s)")
-            folder = given.output if given.folders else None
-            table = run_sweep(given.text, given.sets, given.cases, executor, given.store, folder, tell)
+            table = run_sweep(given.cases, given.items, given.store, executor, tell)
             table.to_csv(given.output / TABLE)
     failed, not_held = comm.bcast((table.failed, table.not_held))
     tell(f"written to {given.output}: {TABLE}, {len(table)} rows")
@@ -42,7 +41,7 @@ def main(arguments: list[str]):
 
 
 def read(arguments: list[str]) -> Namespace:
-    """The checked command line with ``text``, ``sets`` and ``cases``; SceneError where anything is wrong."""
+    """The checked command line with ``cases``, ``items`` and ``store``; SceneError where anything is wrong."""
     program = "python -m simulations.sweep"
     parser = Parser(prog=program, description=__doc__, allow_abbrev=False, conflict_handler="resolve")
     parser.add_argument("scene", nargs="?", type=Path, help="scene file (TOML); without one, the default scene")
@@ -74,7 +73,8 @@ def read(arguments: list[str]) -> Namespace:
     check(given.text, given.sets, given.cases)
     name = "default" if given.scene is None else given.scene.stem
     given.output = writable(given.output or Path("results") / f"sweep-{name}")
-    given.store = take_folder(given.text, given.sets, given.cases, given.output, given.folders, given.overwrite)
+    given.items = items_of(given.text, given.sets, given.cases, given.output if given.folders else None)
+    given.store = take(given.output, given.items, given.overwrite)
     return given
 
 

@@ -9,16 +9,17 @@ from pathlib import Path
 
 from ..output.folder import FILES, remove_run
 from ..scene import SceneError, shown
+from .engine import Item
 from .store import Store
 
 KEPT, TABLE = "sweep.jsonl", "sweep.csv"
 RUNS = "run-{:04d}"  # folder of a scene, by its number
 
 
-def take(folder: Path, keys: Iterable[str], overwrite: bool) -> Store:
+def take(folder: Path, items: Iterable[Item], overwrite: bool) -> Store:
     """The store of a sweep in ``folder``, which is made; SceneError where something there would be lost.
 
-    keys: of its runs in the store; overwrite: take away the table, the runs and the store of another sweep.
+    items: all its runs; overwrite: take away the table, the runs and the store of another sweep.
     """
     store, table = Store(folder / KEPT), folder / TABLE
     start = f"--output {shown(folder)} is not allowed: "
@@ -28,7 +29,7 @@ def take(folder: Path, keys: Iterable[str], overwrite: bool) -> Store:
     if not store.is_own() or (table.exists() and not store.path.exists()):
         stranger = TABLE if table.exists() else KEPT
         raise SceneError(f"{start}it holds {stranger}, which no sweep wrote; choose another folder")
-    if store.read().keys() - set(keys) and not overwrite:
+    if store.read().keys() - {Store.key(item.name, item.values) for item in items} and not overwrite:
         raise SceneError(f"{start}it holds another sweep; --overwrite replaces it, --output DIR keeps both")
     try:
         folder.mkdir(parents=True, exist_ok=True)

@@ -75,42 +75,34 @@ def sweep(
     check(text, sets, cases)
     if folders and output is None:
         raise SceneError("folders of the runs need a folder: output")
-    store = take_folder(text, sets, cases, output, folders, overwrite) if output is not None else None
-    return run_sweep(text, sets, cases, executor, store, output if folders else None, tell)
+    items = items_of(text, sets, cases, output if folders else None)
+    store = take(Path(output), items, overwrite) if output is not None else None
+    return run_sweep(cases, items, store, executor, tell)
 
 
-def take_folder(text: str, sets: tuple[str, ...], cases: list[Changes], output, folders, overwrite) -> Store:
-    """The store of the finished runs of checked cases; SceneError where ``output`` holds something else."""
-    items = _items(text, sets, cases, output if folders else None)
-    return take(Path(output), (Store.key(item.name, item.values) for _, item in items), overwrite)
+def items_of(text: str, sets: tuple[str, ...], cases: list[Changes], folder) -> list[Item]:
+    """The run of each checked case; folder: None, or where folders of the runs go."""
+    items = []
+    for number, changes in enumerate(cases, start=1):
+        values = {"text": text, "set": [*sets, *overrides(changes)]}
+        if folder is not None:
+            values["folder"] = str(Path(folder) / RUNS.format(number))
+        items.append(Item(", ".join(f"{key} = {value}" for key, value in changes.items()), values))
+    return items
 
 
-def run_sweep(text: str, sets: tuple[str, ...], cases: list[Changes], executor, store, folder, tell) -> Table:
-    """The table of checked cases; see ``sweep``. store: None, or what ``take_folder`` gave; folder: None, or where
-    folders of the runs go.
-    """
+def run_sweep(cases: list[Changes], items: list[Item], store: Store | None, executor, tell) -> Table:
+    """The table of checked cases and their ``items``; see ``sweep``."""
     if executor is not None:
-        compile_forms(text, sets, cases)
-    order, items = zip(*_items(text, sets, cases, folder))
+        compile_forms(items)
+    # neighbours in this order may share a body
+    order = sorted(range(len(cases)), key=lambda number: _solid(cases[number]))
     try:
-        found = run_all(items, run_scene, store, executor, tell)
+        found = run_all([items[number] for number in order], run_scene, store, executor, tell)
     finally:
         _kept.clear()
     rows = dict(zip(order, found, strict=True))
     return Table(cases[number] | _with_status(rows[number]) for number in range(len(cases)))
-
-
-def _items(text: str, sets: tuple[str, ...], cases: list[Changes], folder) -> list[tuple[int, Item]]:
-    """Number and run of each case, in an order in which neighbours may share a body."""
-    order = sorted(range(len(cases)), key=lambda number: _solid(cases[number]))
-    items = []
-    for number in order:
-        values = {"text": text, "set": [*sets, *overrides(cases[number])]}
-        if folder is not None:
-            values["folder"] = str(Path(folder) / RUNS.format(number + 1))
-        name = ", ".join(f"{key} = {value}" for key, value in cases[number].items())
-        items.append((number, Item(name, values)))
-    return items
 
 
 def _with_status(row: Row) -> Row:
@@ -171,12 +163,12 @@ def reusable(previous: Simulation, scene: Scene) -> bool:
     return all(mine.get(key) == other.get(key) for key in mine.keys() | other.keys() if key not in free)
 
 
-def compile_forms(text: str, sets: tuple[str, ...], cases: list[Changes]):
+def compile_forms(items: list[Item]):
     """Compile the forms of all scenes once, before several processes want them at the same time."""
     seen = set()
-    for changes in cases:
+    for item in items:
         try:
-            scene = parse(text, (*sets, *overrides(changes)))
+            scene = parse(item.values["text"], tuple(item.values["set"]))
             keys, effects = scene.to_keys(), Effects(scene)
             names = ("mesh.degree", "solid.modulus", "indenter.profile", "solver.theta")
             kind = (*(keys[name] for name in names), scene.k == 0, *(v.on for v in effects.verdicts.values()))

@@ -1,6 +1,5 @@
 """Sweeps: the same table on any ranks and from Python, failed scenes as rows, stopped and resumed, and bad input."""
 
-import csv
 import gc
 import json
 import os
@@ -13,7 +12,8 @@ from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 
 import pytest
-from running import COARSE, MPI_ENVIRONMENT, ROOT, run_command
+from coarse_sweep import COARSE_SETS, VARY, arguments, rows_of
+from running import MPI_ENVIRONMENT, ROOT, run_command
 from solving import coarse_simulation
 
 import simulations.sweep as command
@@ -25,15 +25,7 @@ from simulations.studies import sweeping
 from simulations.studies.sweeping import prepared, reusable
 from simulations.studies.variation import product, read_vary
 
-VARY = ("solid.k=0:0.6:3", "load.mu=0.2,0.5")
-COARSE_SETS = tuple(f"{key}={value}" for key, value in {**COARSE, "effects.coupling": "false"}.items())
 MEASURED = ("seconds",)
-
-
-def arguments(folder, vary=VARY, *more):
-    """Command line of a coarse sweep."""
-    options = [word for one in vary for word in ("--vary", one)]
-    return [*options, *(word for one in COARSE_SETS for word in ("--set", one)), "--output", str(folder), *more]
 
 
 def test_errors_of_every_state_are_checked_as_in_a_single_run(monkeypatch):
@@ -50,11 +42,6 @@ def test_errors_of_every_state_are_checked_as_in_a_single_run(monkeypatch):
 
 def run(folder, vary=VARY, *more, ranks=1):
     return run_command(*arguments(folder, vary, *more), module="simulations.sweep", ranks=ranks)
-
-
-def rows_of(folder):
-    with open(folder / "sweep.csv", newline="") as file:
-        return list(csv.DictReader(file))
 
 
 def same(mine, other):

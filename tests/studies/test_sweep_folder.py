@@ -1,10 +1,9 @@
 """The folder of a sweep: nothing in it is replaced silently, and the table belongs to the folders of the runs."""
 
-import csv
 import json
 
 import pytest
-from running import COARSE
+from coarse_sweep import arguments, rows_of
 
 import simulations.sweep as command
 from simulations import SceneError
@@ -13,16 +12,13 @@ from simulations.output.checkpoint import read_scene
 from simulations.runs.checks import ChecksFailed
 from simulations.studies import sweeping
 
-SETS = [word for key, value in {**COARSE, "effects.coupling": "false"}.items() for word in ("--set", f"{key}={value}")]
-
 
 def run(folder, values, *more):
-    command.main([*SETS, "--vary", f"load.mu={values}", "--output", str(folder), "--quiet", *more])
+    command.main(arguments(folder, [f"load.mu={values}"], "--quiet", *more))
 
 
 def friction_of(folder):
-    with open(folder / "sweep.csv", newline="") as file:
-        return [float(row["load.mu"]) for row in csv.DictReader(file)]
+    return [float(row["load.mu"]) for row in rows_of(folder)]
 
 
 @pytest.fixture(scope="module")
@@ -88,8 +84,7 @@ def test_a_run_of_another_scene_in_the_place_of_one_is_kept(swept, tmp_path):
     with pytest.raises(SystemExit) as end:
         run(tmp_path, "0.5", "--folders")
     assert end.value.code == 3 and read_scene(tmp_path / "run-0001").mu == 0.2
-    with open(tmp_path / "sweep.csv", newline="") as file:
-        assert "it holds a finished run" in next(csv.DictReader(file))["reason"]
+    assert "it holds a finished run" in rows_of(tmp_path)[0]["reason"]
     run(tmp_path, "0.2", "--folders")
     assert json.loads((tmp_path / "run-0001" / "summary.json").read_text())["converged"]
     assert run_folder.is_run_of(tmp_path / "run-0001", read_scene(tmp_path / "run-0001"))
