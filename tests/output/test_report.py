@@ -119,22 +119,20 @@ def drawn_surface(folder, monkeypatch):
         return surface(folder, list(csv.DictReader(file)))
 
 
-def test_states_of_a_long_path_are_shown_in_the_order_of_the_load_steps(path, monkeypatch):
-    """Five of them, the first and the last among them; the figure says how many there are."""
-    figure = drawn_surface(path, monkeypatch)
+@pytest.mark.parametrize(
+    "of, names, said, energy",
+    [
+        ("path", ["1", "3", "5", "8", "10"], "5 of 10 states shown", "energy of all load steps w"),
+        ("folder", ["A", "B", "C", "D", "E"], "", "energy of the cycle w"),
+    ],
+)
+def test_states_of_the_surface(of, names, said, energy, monkeypatch, request):
+    """In the order of the load steps, five at most, the first and the last among them; the figure tells of others."""
+    figure = drawn_surface(request.getfixturevalue(of), monkeypatch)
     (legend,) = figure.legends
-    assert [text.get_text().split(":")[0] for text in legend.get_texts()] == ["1", "3", "5", "8", "10"]
-    assert legend.get_title().get_text() == "5 of 10 states shown"
-    assert any(axis.get_ylabel().startswith("energy of all load steps w") for axis in figure.axes)
-    plt.close(figure)
-
-
-def test_all_states_of_a_loop_are_shown(folder, monkeypatch):
-    figure = drawn_surface(folder, monkeypatch)
-    (legend,) = figure.legends
-    assert [text.get_text().split(":")[0] for text in legend.get_texts()] == ["A", "B", "C", "D", "E"]
-    assert legend.get_title().get_text() == ""
-    assert any(axis.get_ylabel().startswith("energy of the cycle w") for axis in figure.axes)
+    assert [text.get_text().split(":")[0] for text in legend.get_texts()] == names
+    assert legend.get_title().get_text() == said
+    assert any(axis.get_ylabel().startswith(energy) for axis in figure.axes)
     plt.close(figure)
 
 
