@@ -178,6 +178,8 @@ def _below(state, a):
 def _solved(summary):
     sizes = f"{summary['dofs']} unknowns on {summary['ranks']} rank(s); {summary['increments']} load steps took "
     sizes += f"{summary['newton_iterations']} Newton iterations and were halved {summary['cuts']} times."
+    if summary["largest_unsettled"]:
+        sizes += f" Anchors did not settle in all of them: to {summary['largest_unsettled']:.1%} of the motion."
     if summary.get("resumed"):
         sizes += f" The run was resumed {summary['resumed']} times."
     seconds = "; ".join(f"{PHASES.get(phase, phase)} {s:.1f}" for phase, s in summary["seconds"].items())

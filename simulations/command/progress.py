@@ -85,5 +85,6 @@ def describe(entry, simulation: Simulation) -> str:
     if increment.branch != "normal":
         share = f"Q/(mu P) = {increment.Q / (simulation.mu * increment.P):+.3f}   c/a = {entry.c / entry.a:.4f}"
         load = share if simulation.scene.is_loop else f"P = {increment.P:.3f} P_max   {share}"
-    cuts = f", {entry.cuts} cuts" if entry.cuts else ""
-    return f"{increment.branch:9s} {load}   {entry.iterations} iterations{cuts}, {entry.seconds:.2f} s"
+    trouble = f", {entry.cuts} cuts" if entry.cuts else ""
+    trouble += f", anchors unsettled by {entry.unsettled:.1%}" if entry.unsettled else ""
+    return f"{increment.branch:9s} {load}   {entry.iterations} iterations{trouble}, {entry.seconds:.2f} s"

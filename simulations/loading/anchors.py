@@ -27,13 +27,15 @@ from forms.contact import CLOSED, OPEN
 from ..fem.contact_problem import ContactProblem
 from ..fem.surface_points import AllPoints
 from .contact_points import BESIDE, Surface, edge_of_contact, open_points
-from .stopped_points import anchors_of_stopped
+from .stopped_points import anchors_of_stopped, without_kink
 
 # r is measured between two distances from the edge, in units of its motion in the step. The further out, the better a
 # wrong r is seen; the closer, the more it is the edge's own. Without coupling r is the same everywhere.
 COUPLED, UNCOUPLED = (0.1, 0.6), (0.5, 2.0)
 STEPS = 0.3, 3.0  # shortest and longest step of the secant method, over the defect
+FASTEST = 10.0  # longest step along the last change of anchors, over that change
 PATIENT = 5  # solves after which edges of stick draw, though the ratios have not settled
+KEEPS = 6  # solves after which the points that stop are those of the best state up to there
 SIDES = (-1, 1)  # left, right
 
 
@@ -53,6 +55,11 @@ class EnteringPoints:
         self._draws = False  # anchors points that stop where the edge of stick drew them
         self._solves = 0  # of this step
         self._curves: dict[int, tuple] = {}  # of points that stop, drawn in this step; by side
+        self._tried: dict[int, tuple] = {}  # points that stop, where they were anchored, and where they should be
+        self.unsettled = 0.0  # change of anchors that the state last measured asks for; see ``renew``
+        self.is_best = False  # whether no state of this step asks for less
+        self._best: tuple = ()  # of that which asks for least: what it asks for, ``_after`` and ``_began``
+        self._kept: np.ndarray | None = None  # states that tell which points stop, once they are to stay
         self._stuck: np.ndarray = None  # type: ignore[assignment]  # where points stick, as far as it is known
         # from where on the edges of stick drew their curves: before a step, and after it; nan where they did not
         self._start = self._began = dict.fromkeys(SIDES, np.nan)
@@ -70,6 +77,7 @@ class EnteringPoints:
         self._before = Surface(*map(self._points.gathered, (states, memory.anchors(), clearance)))
         self._ratios = {side: Ratio(ratio.value) for side, ratio in self._ratios.items()}
         self._draws, self._solves, self._curves = False, 0, {}
+        self._tried, self._best, self._kept, self.unsettled = {}, (), None, 0.0
         self._began = dict.fromkeys(SIDES, np.nan)
         self._after = None  # type: ignore[assignment]
         self._stuck = np.full(len(self._x), np.nan) if stuck is None else stuck(self._x)
@@ -95,9 +103,12 @@ class EnteringPoints:
         if (change <= settled or self._solves >= PATIENT) and not known:  # what slides with these ratios does slide
             self._draws = True
         if self._draws:
+            if self._solves == KEEPS + 1:
+                self._kept = self._best[1].states
+            seen = after if self._kept is None else Surface(self._kept, after.s, after.clearance)
             for side in SIDES:
                 start = self._start[side]
-                curve = anchors_of_stopped(self._x, before, after, side, touch, start)
+                curve = anchors_of_stopped(self._x, before, seen, side, touch, start)
                 if len(curve[0]) or side not in self._curves:  # what sticks because of a curve is no reason to drop it
                     self._curves[side] = curve
                 stopped, positions, self._began[side] = self._curves[side]
@@ -106,15 +117,38 @@ class EnteringPoints:
         if change <= settled:
             slide_on = np.isfinite(self._stuck) & (after.states != OPEN) & (after.states != CLOSED)
             if not np.any(slide_on):
+                self.unsettled = 0.0
                 return False
             self._stuck[slide_on] = np.nan  # the mesh has its edge of stick a little further inside
             new = self._touching(after)
-        self._put(new)
+        self.unsettled, asks = change, (not (self._draws or known), change)
+        self.is_best = not self._best or asks <= self._best[0]
+        if self.is_best:
+            self._best = asks, after, dict(self._began)
+        self._put(self._faster(old, new))
         return True
+
+    def _faster(self, old, new):
+        """``new``, where the same points stop as before further along the way that their anchors go."""
+        new = new.copy()
+        for side in SIDES if self._draws else ():
+            stopped, positions, _ = self._curves[side]
+            last = self._tried.get(side)
+            self._tried[side] = stopped, old[stopped], positions
+            if last is not None and np.array_equal(last[0], stopped):
+                new[stopped] = accelerated(old[stopped], positions, *last[1:])
+        return new
+
+    def go_back(self):
+        """The state is again that which asked for least."""
+        (_, self.unsettled), self._after, self._began = self._best
 
     def _touching(self, after):
         """Anchors of all points where they stick, as far as that is known, and otherwise where they would touch."""
         touch = anchors_of_entering(self._x, self._before, after, self._ratios, self._edge)
+        if not self._is_uncoupled and np.any(self._before.states != OPEN) and np.any(after.states != OPEN):
+            for side in SIDES:
+                touch = without_kink(self._x, self._before, after, side, touch)
         return np.where(np.isnan(self._stuck), touch, self._stuck)
 
     def _change(self, new, old) -> float:
@@ -160,6 +194,20 @@ class EnteringPoints:
 
     def _put(self, anchors):
         self._problem.memory.move_anchors(self._points.mine(anchors))
+
+
+def accelerated(old, new, old_before, new_before) -> np.ndarray:
+    """The next anchors (n,), by Anderson's method of depth one: from the last two, and where points should be instead.
+
+    A point that stops pulls those beyond it, and with them the curve on which it is to lie: most of a change comes
+    again in the next solve. Without acceleration where changes grow.
+    """
+    change, change_before = new - old, new_before - old_before
+    shrunk = change - change_before
+    if not np.any(shrunk) or change @ change >= change_before @ change_before:
+        return new
+    share = np.clip(change @ shrunk / (shrunk @ shrunk), -FASTEST, 0.5)
+    return new - share * (new - new_before)
 
 
 class Ratio:

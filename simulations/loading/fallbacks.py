@@ -23,7 +23,7 @@ class Options:
     """
 
     halvings: int = 6
-    anchor_passes: int = 8
+    anchor_passes: int = 12
     anchors_settled: float = 1e-3
     anchors_settled_uncoupled: float = 1e-5
     fallbacks: tuple[str, ...] = ("jumping Newton", "Newton", "path")

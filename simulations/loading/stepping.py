@@ -37,11 +37,12 @@ class SolveError(RuntimeError):
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a load step took: all solves, and halvings."""
+    """What a load step took: all solves and halvings; by how much anchors did not settle, over the motion."""
 
     step: LoadStep
     results: tuple[NewtonResult, ...] = ()
     cuts: int = 0
+    unsettled: float = 0.0
 
     @property
     def iterations(self) -> int:
@@ -76,7 +77,8 @@ class LoadStepping:
         self.options = Options()
         self._newton: Newton = None  # type: ignore[assignment]  # made when the stage begins
         self._normal_newton: Newton = None  # type: ignore[assignment]
-        self._results: list[NewtonResult] = []
+        self._results: list[NewtonResult] = []  # of this load step
+        self._unsettled = 0.0
 
     def configure(self, **changes):
         """Other ``options``, by name."""
@@ -114,7 +116,7 @@ class LoadStepping:
             self._newton = self._start(self.problem)
         pressed = _pressed_first(schedule) if self._stuck else 0
         for number, step in enumerate(schedule[done:], done):
-            self._results, cuts = [], 0
+            self._results, self._unsettled, cuts = [], 0.0, 0
             if number >= pressed:
                 self._stuck = None
             if self.problem is not self.frictional and (step.branch != "normal" or self._friction_first):
@@ -122,7 +124,7 @@ class LoadStepping:
                     cuts = self._advance(before, step.load, step.branch)
                 self._begin_friction()
             cuts += self._advance(before, step.load, step.branch)
-            yield Outcome(step, tuple(self._results), cuts)
+            yield Outcome(step, tuple(self._results), cuts, self._unsettled)
             before = step.load
 
     @property
@@ -156,6 +158,7 @@ class LoadStepping:
                 self.problem.memory.come_to_rest()
             if enters:
                 self.entering.end()
+                self._unsettled = max(self._unsettled, self.entering.unsettled)
             self._newton.accept(after)
             return 0
         self._restore(saved)
@@ -198,12 +201,18 @@ class LoadStepping:
             tried = self._renew_pressure(after)
             if not tried[-1].converged:
                 return tried
-        tried = self._solve(after)
-        for _ in range(options.anchor_passes):
+        tried, best = self._solve(after), None
+        for solve in range(options.anchor_passes + 1):
             if not tried[-1].converged:
                 break
             found = self._save()
             if not entering.renew(self._clearance(), settled):
+                break
+            best = found if entering.is_best else best
+            if solve == options.anchor_passes:
+                entering.go_back()
+                self._restore(best)
+                self._results.append(self._newton.balance(after))
                 break
             if not self._solve(after)[-1].converged:  # the last anchors with which there was an answer
                 self._restore(found)

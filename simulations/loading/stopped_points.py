@@ -34,9 +34,7 @@ def anchors_of_stopped(x, before: Surface, after: Surface, side: int, touch, sta
     new = (old == OPEN) | (old == states[-1])  # some may slide still, for no other reason than their old anchors
     first = edge - leading(new[:edge][::-1])
     none = outwards[:0], np.zeros(0), np.nan
-    if not sliding:  # the contact sticks up to its edge
-        return anchors_beside_old_edge(x, old, states, outwards, touch)
-    if sliding == len(outwards) or first == edge or states[edge - 1] != CLOSED:
+    if not sliding or sliding == len(outwards) or first == edge or states[edge - 1] != CLOSED:
         return none
     stopped, outer = outwards[first:edge], outwards[edge]
 
@@ -53,8 +51,7 @@ def anchors_of_stopped(x, before: Surface, after: Surface, side: int, touch, sta
     was = x[before.states != OPEN]
     moved = abs(x[outwards[-1]] - (was[-1] if side > 0 else was[0]))
     if abs(edge_of_contact(x, after.states, side) - (x[outer] + x[outwards[edge - 1]]) / 2) < SLIVER * moved:
-        # it sticks up to its edge, but for what the facet there makes of it
-        return anchors_beside_old_edge(x, old, states, outwards, touch)
+        return none  # it sticks up to its edge, but for what the facet there makes of it
     still = edge - leading(states[:edge][::-1] == CLOSED)
     slides_back = leading(states[first:still][::-1] == 2 * CLOSED - states[-1]) > CUT
     if slides_back and abs(x[outwards[still]] - x[outer]) < moved:  # what slid soon slides the other way
@@ -80,23 +77,26 @@ def anchors_of_stopped(x, before: Surface, after: Surface, side: int, touch, sta
     return stopped, smooth(x, after.s, [behind, inner, outer], x[stopped]), start
 
 
-def anchors_beside_old_edge(x, old, states, outwards, touch) -> tuple:
-    """Indices and anchors of points at the old edge of contact, where it has gone on and all stick beside it.
+def without_kink(x, before: Surface, after: Surface, side: int, touch) -> np.ndarray:
+    """``touch`` (n,), but smooth where the edge of contact was before the step, if it has gone on.
 
-    The facet that it cut had let a point or two slide, which stick now: they lie on a smooth curve through those
-    inside, and through those further out where they would ``touch`` (n,). states, old: of the points ``outwards``.
-    Third: nan, as the edge of stick draws no curve.
+    The facet that it cut let points slide beside it, and moved those beyond it: where they stop they would keep that.
+    Points that slid there lie on a smooth curve through those further inside and further out.
     """
+    contact = np.flatnonzero(after.states != OPEN)
+    outwards = contact if side > 0 else contact[::-1]
+    old = before.states[outwards]
     was = len(old) - leading(old[::-1] == OPEN)
-    first, end = was - leading(old[:was][::-1] != CLOSED), was + OUT
-    inner, outer = max(first - 1 - BESIDE, 0), end + BESIDE
-    if not 0 < first < was <= first + CUT or outer >= len(old) or np.any(states[inner:outer] != CLOSED):
-        return outwards[:0], np.zeros(0), np.nan
-    stopped = outwards[first:end]
-    return stopped, smooth(x, touch, outwards[[inner, first - 1, end, outer]], x[stopped]), np.nan
+    first, end = was - min(leading(old[:was][::-1] != CLOSED), CUT), was + OUT
+    inner, outer = first - 1 - BESIDE, end + BESIDE
+    if first == was or inner < 0 or outer >= len(old):
+        return touch
+    smoothed = touch.copy()
+    smoothed[outwards[first:end]] = smooth(x, touch, outwards[[inner, first - 1, end, outer]], x[outwards[first:end]])
+    return smoothed
 
 
-def smooth(x, values, support: list, at) -> np.ndarray:
+def smooth(x, values, support: list | np.ndarray, at) -> np.ndarray:
     """At points ``at`` the polynomial through those ``values`` of points (n,) at x that ``support`` lists."""
     nodes = np.sort(x[support])
     nodes = nodes[np.diff(nodes, prepend=-np.inf) > SAME]

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 FOLDER, SCENE = "checkpoint", "scene.toml"
 SURFACE = ("pressure", "traction", "u", "delta", "neglected", "elastic")  # of a SurfaceState
-SCALARS = ("iterations", "cuts", "residual", "imbalance", "seconds", "tolerance")
+SCALARS = ("iterations", "cuts", "unsettled", "residual", "imbalance", "seconds", "tolerance")
 
 
 def record(n: int) -> np.dtype:
@@ -182,7 +182,8 @@ def restore(saved: Saved, simulation: Simulation):
         surface = SurfaceState(sampler.x, sampler.weight, **{name: row[name].copy() for name in SURFACE})
         numbers = int(row["iterations"]), float(row["residual"]), float(row["imbalance"])
         result = NewtonResult(True, *numbers, "", float(row["tolerance"]), changes)
-        simulation.history.append(Outcome(increment, (result,), int(row["cuts"])), surface, float(row["seconds"]))
+        outcome = Outcome(increment, (result,), int(row["cuts"]), float(row["unsettled"]))
+        simulation.history.append(outcome, surface, float(row["seconds"]))
     solver.skip(done)
     memory.restore(saved.memory, solver, simulation.numbering)
     simulation.watch.go_on(saved.seconds)

@@ -120,7 +120,7 @@ def _row(entry: Entry, time: float, scales: Scales, friction: bool) -> dict:
     return (
         {"increment": entry.number, "branch": increment.branch, "cycle": increment.cycle, "state": increment.state}
         | {name: f"{value:.12g}" for name, value in quantities.items()}
-        | {"iterations": entry.iterations, "cuts": entry.cuts}
+        | {"iterations": entry.iterations, "cuts": entry.cuts, "unsettled": f"{entry.unsettled:.2e}"}
         | {"states_changed": " ".join(map(str, entry.changes))}  # iteration by iteration
         | {"residual": f"{entry.residual:.2e}", "seconds": f"{entry.seconds:.3f}"}
     )

@@ -26,6 +26,7 @@ class Entry:
     dissipated: float  # its integral over the surface
     iterations: int
     cuts: int
+    unsettled: float  # change of anchors that its state still asks for, over the motion in the load step
     residual: float
     imbalance: float
     seconds: float
@@ -92,6 +93,7 @@ class History:
             dissipated=surface.line_load(work),
             iterations=outcome.iterations,
             cuts=outcome.cuts,
+            unsettled=outcome.unsettled,
             residual=outcome.results[-1].residual,
             imbalance=outcome.results[-1].imbalance,
             seconds=seconds,

@@ -83,6 +83,7 @@ def summary(simulation: Simulation, findings: Findings | None, failure: str | No
         "newton_iterations": sum(e.iterations for e in history.entries),
         "cuts": sum(e.cuts for e in history.entries),
         "largest_residual": max((e.residual for e in history.entries), default=None),
+        "largest_unsettled": max((e.unsettled for e in history.entries), default=None),
         "dofs": simulation.body.unknowns,
         "ranks": simulation.body.mesh.comm.size,
     }
