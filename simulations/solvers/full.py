@@ -58,13 +58,16 @@ class FullSystem:
         self._columns = columns
         self._schur = self._corner - np.array([[row.dot(z) for z in self._responses] for row in self._rows])
 
-    def solve(self, b, x):
-        """x = J^-1 b by block elimination; nan where the cylinder is free to move (every point slips)."""
+    def solve(self, b, x, held=False):
+        """x = J^-1 b by block elimination; nan where the cylinder is free to move (every point slips) and not held."""
         bulk, rigid = self._split(b)
         response = self._bulk_solve(bulk)
         rigid = rigid - np.array([row.dot(response) for row in self._rows])
-        regular = np.linalg.cond(self._schur) < SINGULAR
-        rigid = np.linalg.solve(self._schur, rigid) if regular else np.full_like(rigid, np.nan)
+        schur, aside = self._schur.copy(), self._rigid.index(X) if held else None
+        if held:
+            schur[aside], rigid[aside] = np.eye(len(rigid))[aside], 0.0
+        regular = np.linalg.cond(schur) < SINGULAR
+        rigid = np.linalg.solve(schur, rigid) if regular else np.full_like(rigid, np.nan)
         for z, value in zip(self._responses, rigid):
             response.axpy(-value, z)
         self._join(response, rigid, x)

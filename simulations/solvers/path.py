@@ -8,7 +8,8 @@ of the tangent changes its sign the path turns round for a while. It visits no s
 not to the solution, where contact terms are not stable or the start is far off.
 
 Where all points slide the indenter is free to move aside and the tangent is singular. It goes to where friction carries
-the load, so that some of the points stick.
+the load, so that some of the points stick. If none sticks there either, as between two nodes in the middle of a
+symmetric contact, it stays there for a step.
 """
 
 from collections.abc import Callable
@@ -24,7 +25,7 @@ from ..fem.contact_problem import X, Y
 from ..fem.load import Load
 from .system import System
 
-HELD = 1e-3, 200  # of the way on which a point sticks: where the indenter is held; halvings that take it there
+HELD = 1e-9, 200  # of the way on which a point sticks: where the indenter is held; halvings that take it there
 BEYOND = 1e-6, 1e-9  # how much further than to a change a step goes, past round-off: of its length, and of a whole step
 
 Residual = Callable[[PETSc.Vec], tuple[PETSc.Vec, bool]]
@@ -46,8 +47,9 @@ def follow(system: System, x: PETSc.Vec, residual: Residual, load: Load, most: i
         trials, conditions = terms.trials(), _conditions(terms.contact_states(), system.problem.mu)
         system.linearise(x)
         system.solve(f, step)
-        # not by the norm, which PETSc keeps: of a vector on rank 0 the others do not see that it has changed
-        if not comm.allreduce(bool(np.all(np.isfinite(step.array_r))), MPI.LAND):  # all points slide
+        if free and not _is_finite(step, comm):
+            system.solve(f, step, held=True)
+        if not _is_finite(step, comm):  # all points slide
             if free or not system.problem.friction or not _hold_indenter(system, x, residual, load.Q):
                 return number, False
             free, entered = True, None
@@ -74,6 +76,11 @@ def follow(system: System, x: PETSc.Vec, residual: Residual, load: Load, most: i
         whole = False
         x.axpy(-direction * length, step)
     return most, False
+
+
+def _is_finite(vector, comm) -> bool:
+    # not by the norm, which PETSc keeps: of a vector on rank 0 the others do not see that it has changed
+    return comm.allreduce(bool(np.all(np.isfinite(vector.array_r))), MPI.LAND)
 
 
 def _hold_indenter(system, x, residual, Q) -> bool:

@@ -12,6 +12,7 @@ from simulations.loading.stepping import SolveError
 from simulations.runs.simulation import Simulation
 from simulations.scene import DEFAULT_SCENE, make_scene
 from simulations.solvers import newton, path
+from simulations.studies.stability import read_cases
 
 
 FORCES, INDENTER = (slice(-2), 0.1), (slice(-2, None), 0.02)  # unknowns, and by which share they are wrong
@@ -59,6 +60,38 @@ def test_where_all_points_slide_the_indenter_is_held(monkeypatch):
     monkeypatch.setattr(path, "_hold_indenter", lambda *_: False)
     with pytest.raises(SolveError, match="singular"):
         shrunk()
+
+
+@pytest.mark.parametrize("method", ["condensed", "full"])
+def test_a_held_indenter_does_not_move_aside(method):
+    """All equations hold but that of Q, the last but one."""
+    simulation = coarse_simulation(
+        solver__method=method, effects__coupling="true", solid__nu=0.3, mesh__facet=0.2, load__cycles=0
+    )
+    simulation.run_to_end()
+    newton = simulation.solver._newton
+    system, x = newton.system, newton.x
+    b, y = x.duplicate(), x.duplicate()
+    b.array[:] = np.random.default_rng(1).standard_normal(b.local_size)
+    system.linearise(x)
+    step = x.duplicate()
+    system.solve(b, step, held=True)
+    system.multiply(step, y)
+    assert step.array_r[-2] == 0.0
+    others = np.arange(b.local_size) != b.local_size - 2
+    scale = np.abs(b.array_r).max()
+    assert y.array_r[others] == pytest.approx(b.array_r[others], abs=1e-6 * scale)
+    assert abs(y.array_r[-2] - b.array_r[-2]) > 1e-3 * scale
+
+
+@pytest.mark.slow
+def test_a_symmetric_contact_of_which_no_point_sticks():
+    """Pressed on with little friction: where the middle is between two nodes all slide, and carry Q = 0 as they are."""
+    case = "friction from first contact: friction_in_normal_stage True, k -0.5, mu 0.01"
+    simulation = Simulation(MPI.COMM_SELF, make_scene(read_cases([case.partition(":")[0]])[case], base=None))
+    entries = [entry for entry in simulation.run() if entry.increment.branch == "normal"]
+    assert not any(entry.cuts for entry in entries)
+    assert max(entry.residual / entry.tolerance for entry in entries) <= 1.0
 
 
 def test_a_first_contact_of_three_nodes_that_hardly_sticks():

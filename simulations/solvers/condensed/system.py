@@ -97,10 +97,11 @@ class CondensedSystem:
             self.dense.factorise(tangent)
             self._removed = np.concatenate([-(tangent @ self._offset), np.zeros(len(self._rigid))])
 
-    def solve(self, b, x):
-        """x = J^-1 b; nan where the cylinder is free to move (every point slips)."""
+    def solve(self, b, x, held=False):
+        """x = J^-1 b; nan where the cylinder is free to move (every point slips) and not held."""
         if self._is_root:
-            x.array[:] = self.dense.solve(b.array_r + self._removed, abs(self._load[Y]))
+            right = b.array_r + self._removed
+            x.array[:] = self.dense.solve_held(right) if held else self.dense.solve(right, abs(self._load[Y]))
         self._offset[:] = 0.0
         self._has_offset = False
 
