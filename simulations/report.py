@@ -178,7 +178,7 @@ def _below(state, a):
 def _solved(summary):
     sizes = f"{summary['dofs']} unknowns on {summary['ranks']} rank(s); {summary['increments']} load steps took "
     sizes += f"{summary['newton_iterations']} Newton iterations and were halved {summary['cuts']} times."
-    if summary["largest_unsettled"]:
+    if summary.get("largest_unsettled"):
         sizes += f" Anchors did not settle in all of them: to {summary['largest_unsettled']:.1%} of the motion."
     if summary.get("resumed"):
         sizes += f" The run was resumed {summary['resumed']} times."

@@ -13,7 +13,8 @@ r for all would leave an error of first order in the step. Points that slide whe
 of stick follows that of contact, are anchored on the curve that this edge draws. Where the contact is known to grow
 similar to itself, they are anchored where that lets them stick.
 
-The state after a step depends on the anchors: solve, measure, anchor, solve again.
+The state after a step depends on the anchors: solve, measure, anchor, solve again. Where that does not settle, the
+state whose anchors would change least is taken.
 """
 
 from collections.abc import Callable
@@ -146,9 +147,8 @@ class EnteringPoints:
     def _touching(self, after):
         """Anchors of all points where they stick, as far as that is known, and otherwise where they would touch."""
         touch = anchors_of_entering(self._x, self._before, after, self._ratios, self._edge)
-        if not self._is_uncoupled and np.any(self._before.states != OPEN) and np.any(after.states != OPEN):
-            for side in SIDES:
-                touch = without_kink(self._x, self._before, after, side, touch)
+        for side in () if self._is_uncoupled else SIDES:
+            touch = without_kink(self._x, self._before, after, side, touch)
         return np.where(np.isnan(self._stuck), touch, self._stuck)
 
     def _change(self, new, old) -> float:

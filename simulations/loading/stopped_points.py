@@ -81,7 +81,7 @@ def without_kink(x, before: Surface, after: Surface, side: int, touch) -> np.nda
     """``touch`` (n,), but smooth where the edge of contact was before the step, if it has gone on.
 
     The facet that it cut let points slide beside it, and moved those beyond it: where they stop they would keep that.
-    Points that slid there lie on a smooth curve through those further inside and further out.
+    Points that slid there, at most ``CUT``, lie on a smooth curve through those further inside and further out.
     """
     contact = np.flatnonzero(after.states != OPEN)
     outwards = contact if side > 0 else contact[::-1]
