@@ -126,19 +126,13 @@ class EnteringPoints:
         self.is_best = not self._best or asks <= self._best[0]
         if self.is_best:
             self._best = asks, after, dict(self._began)
-        self._put(self._faster(old, new))
-        return True
-
-    def _faster(self, old, new):
-        """``new``, where the same points stop as before further along the way that their anchors go."""
-        new = new.copy()
-        for side in SIDES if self._draws else ():
-            stopped, positions, _ = self._curves[side]
+        for side, (stopped, positions, _) in self._curves.items():
             last = self._tried.get(side)
             self._tried[side] = stopped, old[stopped], positions
             if last is not None and np.array_equal(last[0], stopped):
                 new[stopped] = accelerated(old[stopped], positions, *last[1:])
-        return new
+        self._put(new)
+        return True
 
     def go_back(self):
         """The state is again that which asked for least."""

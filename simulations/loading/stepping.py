@@ -209,13 +209,11 @@ class LoadStepping:
             if not entering.renew(self._clearance(), settled):
                 break
             best = found if entering.is_best else best
-            if solve == options.anchor_passes:
+            was_last = solve == options.anchor_passes
+            if was_last:
                 entering.go_back()
-                self._restore(best)
-                self._results.append(self._newton.balance(after))
-                break
-            if not self._solve(after)[-1].converged:  # the last anchors with which there was an answer
-                self._restore(found)
+            if was_last or not self._solve(after)[-1].converged:  # or the last anchors with which there was an answer
+                self._restore(best if was_last else found)
                 self._results.append(self._newton.balance(after))
                 break
         return tried

@@ -63,8 +63,9 @@ class FullSystem:
         bulk, rigid = self._split(b)
         response = self._bulk_solve(bulk)
         rigid = rigid - np.array([row.dot(response) for row in self._rows])
-        schur, aside = self._schur.copy(), self._rigid.index(X) if held else None
+        schur = self._schur.copy()
         if held:
+            aside = self._rigid.index(X)
             schur[aside], rigid[aside] = np.eye(len(rigid))[aside], 0.0
         regular = np.linalg.cond(schur) < SINGULAR
         rigid = np.linalg.solve(schur, rigid) if regular else np.full_like(rigid, np.nan)
