@@ -79,6 +79,7 @@ class LoadStepping:
         self._normal_newton: Newton = None  # type: ignore[assignment]
         self._results: list[NewtonResult] = []  # of this load step
         self._unsettled = 0.0
+        self._is_pressed_only = False  # in this load step and all before
 
     def configure(self, **changes):
         """Other ``options``, by name."""
@@ -114,11 +115,10 @@ class LoadStepping:
         before = schedule[done - 1].load if done else NO_LOAD
         if not done:
             self._newton = self._start(self.problem)
-        pressed = _pressed_first(schedule) if self._stuck else 0
+        pressed = _pressed_first(schedule)
         for number, step in enumerate(schedule[done:], done):
             self._results, self._unsettled, cuts = [], 0.0, 0
-            if number >= pressed:
-                self._stuck = None
+            self._is_pressed_only = number < pressed
             if self.problem is not self.frictional and (step.branch != "normal" or self._friction_first):
                 if self._friction_first:  # the frictionless contact of the first step is where Newton starts
                     cuts = self._advance(before, step.load, step.branch)
@@ -193,30 +193,40 @@ class LoadStepping:
 
     def _with_entering_points(self, before, after):
         """``_solve``, again and again until the points that enter contact are anchored where the edge passed them."""
-        entering, options, first_contact = self.entering, self.options, before.P == 0.0
-        settled = options.anchors_settled_uncoupled if self._is_uncoupled else options.anchors_settled
+        first_contact = before.P == 0.0
         clearance = self._first_clearance() if first_contact else self._clearance()
-        entering.begin(clearance, first_contact, partial(self._stuck, after.P) if self._stuck else None)
+        stuck = partial(self._stuck, after.P) if self._stuck and self._is_pressed_only else None
+        self.entering.begin(clearance, first_contact, stuck)
         if self._is_uncoupled:
             tried = self._renew_pressure(after)
             if not tried[-1].converged:
                 return tried
-        tried, best = self._solve(after), None
-        for solve in range(options.anchor_passes + 1):
-            if not tried[-1].converged:
-                break
-            found = self._save()
-            if not entering.renew(self._clearance(), settled):
-                break
-            best = found if entering.is_best else best
-            was_last = solve == options.anchor_passes
-            if was_last:
-                entering.go_back()
-            if was_last or not self._solve(after)[-1].converged:  # or the last anchors with which there was an answer
-                self._restore(best if was_last else found)
-                self._results.append(self._newton.balance(after))
-                break
+        tried = self._solve(after)
+        if tried[-1].converged:
+            self._settle_anchors(after)
         return tried
+
+    def _settle_anchors(self, load: Load):
+        """Renew the anchors and solve again until they stay; else end with the state that asks for least.
+
+        Where there is no answer with the new anchors the state before them stays.
+        """
+        options = self.options
+        settled = options.anchors_settled_uncoupled if self._is_uncoupled else options.anchors_settled
+        best = None
+        for solves_left in reversed(range(options.anchor_passes + 1)):
+            found = self._save()
+            if not self.entering.renew(self._clearance(), settled):
+                return
+            best = found if self.entering.is_best else best
+            if not solves_left:
+                self.entering.go_back()
+                found = best
+            elif self._solve(load)[-1].converged:
+                continue
+            self._restore(found)
+            self._results.append(self._newton.balance(load))
+            return
 
     def _clearance(self):
         """Of the surface points; without coupling from the frictionless problem, whose state is held."""

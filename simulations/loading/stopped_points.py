@@ -55,7 +55,11 @@ def anchors_of_stopped(x, before: Surface, after: Surface, side: int, touch, sta
     still = edge - leading(states[:edge][::-1] == CLOSED)
     slides_back = leading(states[first:still][::-1] == 2 * CLOSED - states[-1]) > CUT
     if slides_back and abs(x[outwards[still]] - x[outer]) < moved:  # what slid soon slides the other way
-        return *joined(still), start
+        band, positions = joined(still)
+        share = 1.0 - np.abs(x[outwards[first:still]] - x[band[0]]) / moved  # the band passed those where it is positive
+        back, share = outwards[first:still][share > 0], share[share > 0]
+        positions = np.append(touch[back] + share * (positions[0] - touch[band[0]]), positions)
+        return np.append(back, band), positions, start
     passed = np.count_nonzero(old[first:edge] == OPEN)  # by the edge of contact
     reverses = edge - first > passed and abs(x[stopped[-1]] - x[stopped[0]]) > FOLLOWS * moved
     if reverses and passed == 0:  # what slid stops where it is

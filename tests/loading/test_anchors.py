@@ -158,17 +158,24 @@ def test_where_the_edge_of_stick_begins_to_draw_points_go_on_from_where_they_wer
 
 
 def test_points_that_stop_between_those_that_slide_out_and_back_lie_on_a_smooth_curve():
-    """All slid outwards beyond 0.3; now those up to 0.6 slide back, and those beyond 0.8 slide outwards still."""
+    """All slid outwards beyond 0.3; now those up to 0.6 slide back, and those beyond 0.8 slide outwards still.
+
+    Those that the band of stick has passed stopped before they slid back: had they not, some would stick where they were.
+    """
     curve = X**3 - X
     before, after = touching(0.75, s=curve, stick=0.3), touching(1.0, s=curve, stick=0.8)
     back = (np.abs(X) > 0.3) & (np.abs(X) < 0.6)
     after.states[back] = np.where(X[back] > 0, FORWARD, BACKWARD)
     stop = (np.abs(X) >= 0.6) & (np.abs(X) <= 0.8)
     after.s[stop] = 9.0  # where they are anchored now does not matter
+    band = np.abs(X[stop]).min()
+    share = np.maximum(1.0 - (band - np.abs(X)) / 0.25, 0.0)  # the edge of contact has come 0.25 far
+    passed = back & (share > 1e-9)
+    touch = curve - 0.1
     for side in (-1, 1):
-        points, anchors, start = anchors_of_stopped(X, before, after, side, before.s, 0.25 * side)
-        assert np.array_equal(np.sort(points), np.flatnonzero(stop & (side * X > 0)))
-        assert anchors == pytest.approx(curve[points], abs=1e-12)
+        points, anchors, start = anchors_of_stopped(X, before, after, side, touch, 0.25 * side)
+        assert np.array_equal(np.sort(points), np.flatnonzero((passed | stop) & (side * X > 0)))
+        assert anchors == pytest.approx(np.where(stop, curve, touch + 0.1 * share)[points], abs=1e-12)
         assert start == 0.25 * side
 
 

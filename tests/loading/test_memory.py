@@ -168,13 +168,18 @@ def test_pressing_with_friction_where_points_in_stick_are_not_known():
     assert relative_l2(pressed.weight, pressed.traction, exact.traction(pressed.x)) < 7e-2
 
 
-FEW = {"PATIENT": (-0.3, 0.4, 0.2, 3, 0.004), "KEEPS": (-0.2, 0.55, 0.15, 2, 0.003), "": (-0.2, 0.4, 0.2, 2, 0.004)}
+FEW = {
+    "PATIENT": (-0.3, -0.2, 0.4, 0.2, 3, 0.004),
+    "KEEPS": (-0.2, -0.2, 0.55, 0.15, 2, 0.003),
+    "": (-0.2, -0.2, 0.4, 0.2, 2, 0.004),
+    "narrow band of stick": (-0.058, -0.231, 0.0876, 0.295, 3, 0.001),
+}
 
 
-def zigzags_with_few_steps(k, mu, amplitude, steps, facet) -> bool:
+def zigzags_with_few_steps(k, nu, mu, amplitude, steps, facet) -> bool:
     """Whether the traction of a coupled loop does, and no other check fails."""
     load = {"load.mu": mu, "load.amplitude": amplitude, "solver.increments": steps, "mesh.edge_facet": facet}
-    solid = {"solid.modulus": "power law", "solid.k": k, "solid.nu": -0.2, "solid.y0_over_a0": 10.0}
+    solid = {"solid.modulus": "power law", "solid.k": k, "solid.nu": nu, "solid.y0_over_a0": 10.0}
     fails = failing(Simulation(MPI.COMM_SELF, make_scene(LOOP | solid | load, base=None)).run_to_end())
     assert fails in ([], ["traction zigzags"])
     return bool(fails)
@@ -183,7 +188,7 @@ def zigzags_with_few_steps(k, mu, amplitude, steps, facet) -> bool:
 @pytest.mark.slow
 @pytest.mark.parametrize("loop", FEW.values())
 def test_tractions_do_not_zigzag_where_the_edge_of_contact_has_been(loop):
-    """Points at its old place slide for a moment, and those of a curve may stick up to it. Zigzags were 20 %."""
+    """Points at its old place slide for a moment, those of a curve may stick up to it, a band of stick passes. Were 20 %."""
     assert not zigzags_with_few_steps(*loop)
 
 
