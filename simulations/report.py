@@ -96,15 +96,18 @@ def _verdict(summary):
 
 def _found(summary):
     """Scalars of the last state and cycle, beside those of the reference and of closed forms without some physics."""
-    beside = [(kind, summary[kind]) for kind in ("errors", "differences") if summary.get(kind)]
-    heads = {"errors": ("reference", "relative error"), "differences": ("closed form", "relative difference")}
-    table = [["last state and cycle", "computed", *(word for kind, _ in beside for word in heads[kind])]]
+    kinds = {
+        "errors": ("reference_values", "reference", "relative error"),
+        "differences": ("differences_values", "closed form", "relative difference"),
+    }
+    beside = [(summary[kind], *words) for kind, words in kinds.items() if summary.get(kind)]
+    table = [["last state and cycle", "computed", *(word for _, _, *heads in beside for word in heads)]]
     for name, (words, unit) in QUANTITIES.items():
         if name in summary:
             row = [words, quantity(summary[name], unit)]
-            for _, deviations in beside:
-                share = deviations.get(name)
-                row += ["–", "–"] if share is None else [quantity(summary[name] / (1 + share), unit), f"{share:+.1e}"]
+            for deviations, key, *_ in beside:
+                share, value = deviations.get(name), summary.get(key, {}).get(name)
+                row += ["–" if value is None else quantity(value, unit), "–" if share is None else f"{share:+.1e}"]
             table.append(row)
     notes = []
     if summary.get("errors"):

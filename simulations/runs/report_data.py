@@ -94,10 +94,10 @@ def summary(simulation: Simulation, findings: Findings | None, failure: str | No
         found["critical_friction"] = critical_friction.numbers(critical)
         found["reference"] = findings.exact.words if findings.exact else findings.why_none
         found["errors"] = None
-        found |= _deviations("errors", findings.exact)
+        found |= _deviations("errors", findings.exact, "reference_values")
         if findings.neglecting:
             found["differences_from"] = findings.neglecting.words
-            found |= _deviations("differences", findings.neglecting)
+            found |= _deviations("differences", findings.neglecting, "differences_values")
     return found | {"seconds": watch.seconds | {"total": watch.total}}
 
 
@@ -122,10 +122,11 @@ def failing(findings: Findings) -> str:
     return "" if checks.hold(findings.checks) else checks.describe(findings.checks)
 
 
-def _deviations(kind: str, beside: Comparison | None) -> dict:
+def _deviations(kind: str, beside: Comparison | None, values: str) -> dict:
+    """``values``: the key of the other's own numbers, which deviations with its own error in them do not give back."""
     if beside is None:
         return {}
-    return {kind: beside.deviations, f"{kind}_worst_state": beside.worst}
+    return {kind: beside.deviations, f"{kind}_worst_state": beside.worst, values: beside.values}
 
 
 def _compare(simulation: Simulation, other: comparison.Reference, words: str, without=()) -> Comparison:
