@@ -16,7 +16,7 @@ from .output.files import write_text
 from .output.page_words import CHECKS, FIELDS, PHASES, QUANTITIES, asked, quantity
 from .output.style import left_out, spread, style
 from .scene import SceneError, parse, shown
-from .studies.body_stress import draw
+from .studies.body_stress import draw, half_width
 
 PAGE = "report.html"
 SHOWN_STATES = 6  # of the body
@@ -157,14 +157,14 @@ def _body(folder, rows):
     except SceneError:  # no fields, or other ones were asked for
         return ""
     drawn = spread([*states.values()], SHOWN_STATES)
-    half_width = float(rows[-1]["a[m]"])
+    a = half_width(rows)
     with style():
         lines = -(-len(drawn) // 3)
         size = (figures.WIDTH, 2.1 * lines + 0.4)
         figure, axes = plt.subplots(lines, 3, figsize=size, layout="constrained", squeeze=False)
-        scale = max(_below(state, half_width) for state in drawn)
+        scale = max(_below(state, a) for state in drawn)
         for axis, state in zip(axes.flat, drawn, strict=False):
-            filled = draw(axis, state, half_width, scale)
+            filled = draw(axis, state, a, scale)
         for axis in axes.flat[len(drawn) :]:
             axis.set_visible(False)
         figure.colorbar(filled, ax=axes.ravel().tolist(), label="von Mises stress [MPa]")

@@ -10,11 +10,13 @@ from ..runs.history import Entry, History
 from ..runs.simulation import Simulation
 from ..runs.springs import Springs
 from .files import on_disk
+from .page_words import quantity
 from .style import COLOURS, GREY, MARKERS, in_words, left_out, spread
 
 STYLES = ("-", "--")
 DOTS = 45  # computed points shown a curve
-REACH = 1.15  # drawn part of the surface, in contact half-widths
+REACH = 1.15  # drawn part of the surface, over the widest contact
+CONSTANT = 0.999  # of the largest normal load: a smaller one is another load
 LOOKS = {"font.size": 10, "axes.grid": True, "grid.alpha": 0.3, "legend.fontsize": 9, "legend.frameon": False}
 WORST = {"marker": "o", "ms": 9, "mfc": "none", "mec": "k", "mew": 1.0, "ls": "none"}  # a ring around the worst node
 
@@ -24,6 +26,7 @@ def plot_run(path: Path, title: str, simulation: Simulation, lines: dict[str, Re
     of the frictional work w, and of the loop.
 
     lines: what the computed points are laid on, by label; the node farthest from the first is always among the points.
+    In all panels P is the largest normal load, and a the contact half-width that scales lengths, whatever the state.
     """
     history = simulation.history
     columns, rows = (3, 2) if history.friction else (1, 1)
@@ -58,14 +61,17 @@ def _states(history: History) -> list[Entry]:
 
 
 def _in_si(value, unit):
-    """What 1 on a scaled axis is, with a prefix that keeps the number short."""
-    prefixes = {1e9: "G", 1e6: "M", 1e3: "k", 1.0: "", 1e-3: "m", 1e-6: "µ", 1e-9: "n"}
-    factor = next((f for f in prefixes if value >= f), 1e-9)
-    return f"1 = {value / factor:.3g} {prefixes[factor]}{unit}"
+    """What 1 on a scaled axis is."""
+    return f"1 = {quantity(value, unit, 3)}"
 
 
-def _position(simulation, entry):
-    return f"position x/a [–]  ({_in_si(entry.a * simulation.scaled.scales.length, 'm')})"
+def _position(simulation):
+    return f"position x/a [–]  ({_in_si(simulation.scaled.scales.length, 'm')})"
+
+
+def _widest(history):
+    """Where contact ends farthest from the middle, over all states."""
+    return np.nanmax(np.abs([entry.contact for entry in history.entries]))
 
 
 def _slip_unit(simulation):
@@ -74,41 +80,41 @@ def _slip_unit(simulation):
     return simulation.mu * scaled.solid.alpha * float(scaled.indenter.height(1.0))
 
 
-def _curves(axis, entry, values, lines, colour, marker="o"):
+def _curves(axis, entry, widest, values, lines, colour, marker="o"):
     """Nodal ``values`` as points on reference ``lines`` (functions of x, None for one that is not known): a share of
-    the nodes, and the one that is farthest from the first line.
+    the nodes, and the one that is farthest from the first line; ``widest``: edge of the widest contact.
     """
     surface = entry.surface
-    x = np.linspace(-REACH, REACH, 1201) * entry.a
+    x = np.linspace(-REACH, REACH, 1201) * widest
     for line, style in zip(lines, STYLES):
         if line:
-            axis.plot(x / entry.a, line(x), style, color=colour, lw=1)
-    shown = _thinned(surface.x / entry.a)
-    axis.plot(surface.x[shown] / entry.a, values[shown], marker, ms=3, color=colour)
+            axis.plot(x, line(x), style, color=colour, lw=1)
+    shown = _thinned(surface.x / widest)
+    axis.plot(surface.x[shown], values[shown], marker, ms=3, color=colour)
     if lines and lines[0]:
-        inside = np.abs(surface.x) < REACH * entry.a
+        inside = np.abs(surface.x) < REACH * widest
         deviation = np.where(inside, np.abs(values - lines[0](surface.x)), -1.0)
         worst = int(np.nanargmax(deviation))
-        axis.plot(surface.x[worst] / entry.a, values[worst], marker, ms=3, color=colour)
-        axis.plot(surface.x[worst] / entry.a, values[worst], **WORST)
-    axis.set_xlim(-1.1 * REACH, 1.1 * REACH)
+        axis.plot(surface.x[worst], values[worst], marker, ms=3, color=colour)
+        axis.plot(surface.x[worst], values[worst], **WORST)
+    axis.set_xlim(-1.1 * REACH * widest, 1.1 * REACH * widest)
 
 
 def _pressure(axis, simulation, lines):
     entry = simulation.history.entries[-1]
     references = [lambda x, line=line: line.pressure(entry, x) for line in lines.values()]
-    _curves(axis, entry, entry.surface.pressure, references, COLOURS[0])
+    _curves(axis, entry, _widest(simulation.history), entry.surface.pressure, references, COLOURS[0])
     unit = _in_si(simulation.scaled.scales.stress, "Pa")
-    axis.set(xlabel=_position(simulation, entry), ylabel=f"pressure p a/P [–]  ({unit})", title="Pressure, last state")
+    axis.set(xlabel=_position(simulation), ylabel=f"pressure p a/P [–]  ({unit})", title="Pressure, last state")
 
 
 def _traction(axis, simulation, lines):
     history, mu = simulation.history, simulation.mu
     for entry, colour, marker in zip(_states(history), COLOURS, MARKERS):
         references = [lambda x, line=line, e=entry: line.traction(e, x) / mu for line in lines.values()]
-        _curves(axis, entry, entry.surface.traction / mu, references, colour, marker)
+        _curves(axis, entry, _widest(history), entry.surface.traction / mu, references, colour, marker)
     unit = _in_si(mu * simulation.scaled.scales.stress, "Pa")
-    axis.set(xlabel=_position(simulation, history.entries[-1]), ylabel=f"traction q a/(μP) [–]  ({unit})")
+    axis.set(xlabel=_position(simulation), ylabel=f"traction q a/(μP) [–]  ({unit})")
     axis.set_title("Traction on the half-plane")
 
 
@@ -120,9 +126,9 @@ def _slip(axis, simulation, lines):
             return np.where((x >= entry.contact[0]) & (x <= entry.contact[1]), values / unit, np.nan)
 
         references = [lambda x, line=line, e=entry, f=inside: f(x, line.slip(e, x)) for line in lines.values()]
-        _curves(axis, entry, inside(entry.surface.x, entry.slip), references, colour, marker)
+        _curves(axis, entry, _widest(history), inside(entry.surface.x, entry.slip), references, colour, marker)
     size = _in_si(unit * simulation.scaled.scales.displacement, "m")
-    axis.set(xlabel=_position(simulation, history.entries[-1]), title="Slip since tangential loading began")
+    axis.set(xlabel=_position(simulation), title="Slip since tangential loading began")
     axis.set_ylabel(f"slip $(u_x - \\delta_x)/(\\mu\\alpha f(a))$ [–]  ({size})")
 
 
@@ -135,11 +141,11 @@ def _work(axis, simulation, lines):
 
     is_known = simulation.loop and history.has_cycle  # and only the closed forms have it
     references = [closed if is_known and isinstance(line, Springs) else None for line in lines.values()]
-    _curves(axis, entry, history.work / unit, references, COLOURS[2])
+    _curves(axis, entry, _widest(history), history.work / unit, references, COLOURS[2])
     size = _in_si(unit * scales.energy / scales.length, "J/m²")
     when = "last cycle" if history.has_cycle else "all load steps"
     energy = history.dissipated_energy * scales.energy
-    axis.set(xlabel=_position(simulation, entry), title=f"Frictional work, {when}: ΔW = {energy:.4g} J/m")
+    axis.set(xlabel=_position(simulation), title=f"Frictional work, {when}: ΔW = {energy:.4g} J/m")
     axis.set_ylabel(f"density $w\\,a/(\\mu P\\,\\mu\\alpha f(a))$ [–]  ({size})")
 
 
@@ -184,7 +190,7 @@ def _legend(figure, simulation, lines):
     if history.friction:
         for entry, colour, marker in zip(_states(history), COLOURS, MARKERS):
             step = entry.increment
-            label = rf"{step.state}: $Q = {step.Q / (mu * step.P):+.2f}\,\mu P$"
+            label = rf"{step.state}: $Q = {step.Q / mu:+.2f}\,\mu P$"
             handles.append(plt.Line2D([], [], marker=marker, ms=4, ls="none", color=colour, label=label))
     handles += [plt.Line2D([], [], marker="o", ms=4, ls="none", color=GREY, label="finite elements")]
     handles += [plt.Line2D([], [], ls=s, color=GREY, lw=1, label=label) for label, s in zip(lines, STYLES)]
@@ -193,8 +199,10 @@ def _legend(figure, simulation, lines):
     note = ""
     if history.friction:
         shown = left_out(len(_states(history)), len(_named(history)))
+        varies = min(entry.increment.P for entry in _states(history)) < CONSTANT
+        loads = "$P$: the largest normal load;  $a$: contact half-width under it, without friction" if varies else ""
         symbols = r"$f(a)$: height of the indenter at $x = a$;  $\alpha$: equation (37)"
-        note = ";  ".join(filter(None, (symbols, shown)))
+        note = ";  ".join(filter(None, (loads, symbols, shown)))
     figure.legend(handles=handles, loc="lower center", ncols=5 if history.friction else 2, title=note, title_fontsize=9)
 
 

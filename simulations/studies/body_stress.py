@@ -1,6 +1,8 @@
 """Draw the stress in the body through the cycle of a finished run:  python -m simulations.studies.body_stress DIR."""
 
+import csv
 from argparse import Namespace
+from collections.abc import Iterable
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -11,6 +13,7 @@ from matplotlib.ticker import MaxNLocator
 from ..command.command import comm, on_root, run, say
 from ..output.body_states import BodyState, read_states
 from ..output.checkpoint import read_scene
+from ..output.page_words import quantity
 from ..output.style import in_words, panels, save, style
 from ..scene import SceneError
 from .commandline import make_folders, study_parser
@@ -59,7 +62,7 @@ def draw(axis, state: BodyState, a: float, scale: float):
     filled = axis.contourf(state.x[shown_x] / a, state.y[shown_y] / a, stress, levels, cmap="viridis", extend="max")
     letter, _, branch = state.label.partition(", ")
     axis.set(xlim=(-REACH, REACH), ylim=(DEPTH, 0), aspect="equal")
-    axis.set(xlabel="position $x/a$ [–]", ylabel="depth $y/a$ [–]")
+    axis.set(xlabel=f"position $x/a$ [–]  (1 = {quantity(a, 'm', 3)})", ylabel="depth $y/a$ [–]")
     axis.set_title(f"{letter} ({WORDS[branch]})" if branch else letter)
     axis.grid(False)
     return filled
@@ -86,7 +89,9 @@ def read(arguments: list[str]) -> Namespace:
     parser.add_argument("--output", type=Path, metavar="DIR", help="folder for the picture (default: that of the run)")
     parser.add_argument("--animate", action="store_true", help="write body.gif, too")
     given = parser.parse_args(arguments)
-    given.states, given.a = read_states(given.folder), _half_width(given.folder)
+    given.states = read_states(given.folder)
+    with open(given.folder / "history.csv", newline="", encoding="utf-8") as file:
+        given.a = half_width(csv.DictReader(file))
     given.scene = read_scene(given.folder)
     if not given.states:
         raise SceneError(f"{given.folder} holds a run that recorded no state")
@@ -95,10 +100,9 @@ def read(arguments: list[str]) -> Namespace:
     return given
 
 
-def _half_width(folder: Path) -> float:
-    """Contact half-width of the first state [m]."""
-    header, first = (folder / "history.csv").read_text(encoding="utf-8").splitlines()[:2]
-    return float(first.split(",")[header.split(",").index("a[m]")])
+def half_width(rows: Iterable[dict]) -> float:
+    """Contact half-width of the widest state [m]; rows: those of history.csv."""
+    return float(np.nanmax([float(row["a[m]"]) for row in rows]))
 
 
 if __name__ == "__main__":

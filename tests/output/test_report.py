@@ -174,6 +174,23 @@ def test_states_of_the_picture(names, shown, said):
     plt.close(figure)
 
 
+def test_one_length_and_one_load_in_the_picture(tmp_path, monkeypatch):
+    """Along a path with another P: lengths over one a, loads over the largest P, and no state is cut off."""
+    seen, legend = [], plots._legend
+    monkeypatch.setattr(plots, "_legend", lambda *drawn: seen.append(drawn) or legend(*drawn))
+    along(tmp_path, [[1e6, 0.0], [1e6, 1e5], [3e5, -5e4]], reference__kind='"none"')
+    ((figure, simulation, _),) = seen
+    widest, narrowest = (edge(e.contact[1] for e in simulation.history.entries) for edge in (max, min))
+    assert narrowest < 0.7 * widest
+    panels = [axis for axis in figure.axes if axis.get_xlabel().startswith("position")]
+    length = quantity(make_scene().half_width, "m", 3)
+    assert {axis.get_xlabel() for axis in panels} == {f"position x/a [–]  (1 = {length})"}
+    assert len(panels) == 4 and all(widest < axis.get_xlim()[1] < 1.4 * widest for axis in panels)
+    texts = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert texts[:2] == [rf"1: $Q = {0.1 / 0.3:+.2f}\,\mu P$", rf"2: $Q = {-0.05 / 0.3:+.2f}\,\mu P$"]
+    assert "the largest normal load" in figure.legends[0].get_title().get_text()
+
+
 def test_page_without_a_reference(path, folder):
     """It promises no lines, says why there is no reference, and what effects that are on mean."""
     text = Page(report.page(path)).text
