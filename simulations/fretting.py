@@ -9,7 +9,7 @@ from .command.stopping import stopping
 from .fem import parallel
 from .output import checkpoint
 from .output.files import OutputError
-from .output.folder import begin, claimed, files
+from .output.folder import begin, claimed, files, refuse_changed
 from .output.results import Results
 from .runs.checks import Check, ChecksFailed
 from .runs.comparison import QUANTITIES
@@ -33,6 +33,8 @@ def main(arguments: list[str], program: str = "simulations.fretting", descriptio
         say(explain(Simulation(comm, request.scene)))
         return
     folder = request.output
+    if request.resume:
+        on_root(lambda: refuse_changed(folder))
     if request.resume and on_root(lambda: checkpoint.is_complete(folder)):
         say(f"{folder} is complete: nothing is left to do")
         failing = on_root(lambda: checkpoint.failing_checks(folder))

@@ -13,6 +13,7 @@ from .command.command import Parser, on_root, run, say
 from .output import page_figures as figures
 from .output.body_states import read_states
 from .output.files import write_text
+from .output.folder import refuse_changed
 from .output.page_words import CHECKS, FIELDS, PHASES, QUANTITIES, asked, quantity
 from .output.style import left_out, spread, style
 from .scene import SceneError, parse, shown
@@ -49,13 +50,14 @@ def write(folder: Path) -> Path:
 
 
 def read(arguments: list[str]) -> Path:
-    """The folder that the command line names; SceneError where it holds no results."""
+    """The folder that the command line names; SceneError where it holds no results, or those of another scene."""
     parser = Parser(prog="python -m simulations.report", description=__doc__, allow_abbrev=False)
     parser.add_argument("folder", type=Path, metavar="DIR", help="folder of a run")
     folder = parser.parse_args(arguments).folder
     for name in ("scene.toml", "summary.json", "history.csv"):
         if not (folder / name).is_file():
             raise SceneError(f"{shown(folder)} is not the folder of a run that ended: {name} is missing")
+    refuse_changed(folder)
     return folder
 
 

@@ -110,6 +110,13 @@ def _remove_results(folder):
         path.unlink()
 
 
+def refuse_changed(folder: Path):
+    """SceneError where the scene in ``folder`` is not as the run wrote it: what else is there is not of this scene."""
+    if not _is_of_a_run(folder / SCENE):
+        why = "is not as the run wrote it; it was changed afterwards, and the results are of another scene"
+        raise SceneError(f"{shown(folder)}: {SCENE} {why}")
+
+
 def is_run_of(folder: Path, scene: Scene) -> bool:
     """Whether a run wrote what is in ``folder``, and of this scene."""
     return _is_of_a_run(folder / SCENE) and checkpoint.read_scene(folder).to_toml() == scene.to_toml()

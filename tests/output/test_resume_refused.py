@@ -2,12 +2,13 @@
 
 import json
 import re
+import shutil
 
 import pytest
 from restarting import RUN, history
 from running import coarse_arguments
 
-from simulations import fretting
+from simulations import fretting, report
 from simulations.scene import SceneError
 
 
@@ -43,10 +44,16 @@ def test_other_keys_are_refused(stopped, capfd):
         assert "--resume takes no scene" in refusal(capfd, "--resume", stopped, *more)
 
 
-def test_a_scene_changed_since_is_refused(stopped, capfd):
-    scene = stopped / "scene.toml"
-    scene.write_text(scene.read_text().replace("mu = 0.3", "mu = 0.31"))
-    assert "changed afterwards" in refusal(capfd, "--resume", stopped)
+def test_a_scene_changed_since_is_refused(stopped, uninterrupted, tmp_path, capfd):
+    """Whether the run ended or not, and by the report of it too."""
+    ended = shutil.copytree(uninterrupted, tmp_path / "ended")
+    for folder in (stopped, ended):
+        scene = folder / "scene.toml"
+        scene.write_text(scene.read_text().replace("mu = 0.3", "mu = 0.31"))
+        assert "changed afterwards" in refusal(capfd, "--resume", folder)
+    with pytest.raises(SceneError, match="scene.toml is not as the run wrote it"):
+        report.main([str(ended)])
+    assert not (ended / "report.html").exists()
 
 
 DAMAGE = {
