@@ -58,7 +58,6 @@ class Saved:
     seconds: dict[str, float] | None = None
     changes: tuple[tuple[int, ...], ...] = ()
     resumed: int = 0  # how many times, this one included
-    complete: bool = False
 
     @property
     def increments(self) -> int:
@@ -122,8 +121,6 @@ def remove(folder: Path):
 def load(folder: Path) -> Saved:
     """The run in ``folder``; without a checkpoint its scene alone. SceneError where none is or it does not fit."""
     scene = read_scene(folder)
-    if is_complete(folder):
-        return Saved(scene, complete=True)
     if not (folder / FOLDER / "memory.npz").exists():
         return Saved(scene)
     try:
