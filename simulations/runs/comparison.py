@@ -71,7 +71,10 @@ def apart(entry: Entry, other: Reference, reference: Reference) -> dict[str, flo
 
 
 def compare(history: History, reference: Reference) -> dict[str, float]:
-    """Deviations of a run: fields, a and c at its last state, energy of its last cycle (signed where scalar)."""
+    """Deviations of a run: fields, a and c at its last state, energy of its last cycle (signed where scalar).
+
+    The reference's own error is added to those of fields and energy, not of a and c.
+    """
     last = history.entries[-1]
     left, right = reference.contact(last)
     deviation = compare_state(last, reference) | {"a": last.a / ((right - left) / 2) - 1}

@@ -101,7 +101,7 @@ def describe(reference: Reference, simulation: Simulation) -> str:
         nodes = f" of {reference.nodes} nodes" if isinstance(reference, MeshFree) else ""
         if isinstance(reference, MeshFree) and reference.finer > steps_for_one(simulation):
             nodes += f" and {reference.finer} load steps for one"
-        own = ", whose own error is added to the errors" if reference.coarser else ""
+        own = ", whose own error is added to those of p, q, slip and energy" if reference.coarser else ""
         coupling = " and coupling" if "coupling" in simulation.effects else ""
         return f"{reference.name}{nodes} with {friction}{coupling}{own}"
     if not scene.friction:
