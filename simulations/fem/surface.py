@@ -10,7 +10,9 @@ from .contact_problem import ContactProblem
 from .parallel import gathered
 
 SKIPPED, FITTED = 5, 10  # nodes next to an edge that carry its discretisation error, and those read beyond them
-ROUND_OFF = 1e-9  # a traction this close (relative to the largest limit) to its limit slides
+# A traction this close (relative to the largest limit) to its limit slides: forces are known to 1e-9 P, tractions on
+# facets of 1e-3 a a thousand times less well.
+AT_LIMIT = 1e-6
 
 
 @dataclass(frozen=True)
@@ -92,6 +94,12 @@ class SurfaceSampler:
         return np.concatenate([parity * values[:0:-1], values]) if self.body.is_half else values
 
 
+def at_limit(state: SurfaceState, mu: float) -> np.ndarray:
+    """Nodes (n,) in contact whose traction is at its limit mu p."""
+    limit = mu * state.pressure
+    return (limit > 0) & (np.abs(state.traction) >= limit - AT_LIMIT * limit.max())
+
+
 def fitted_contact_edges(state: SurfaceState, exponents: tuple[float, float]) -> tuple[float, float]:
     """Left and right edge of the contact, where the pressure ends like a power of the distance: (1+k)/2 in (44)."""
     return _edges(state.x, state.pressure, exponents)
@@ -107,7 +115,7 @@ def fitted_stick_edges(
     """
     limit = mu * state.pressure
     margin = limit - (direction * state.traction if direction else np.abs(state.traction))
-    return _edges(state.x, np.where(margin > ROUND_OFF * limit.max(), margin, 0.0), exponents)
+    return _edges(state.x, np.where(margin > AT_LIMIT * limit.max(), margin, 0.0), exponents)
 
 
 def _edges(x, values, exponents):

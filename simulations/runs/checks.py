@@ -8,12 +8,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..fem.surface import SurfaceState
-from ..solvers.newton import ATTAINABLE
+from ..fem.surface import SurfaceState, at_limit
+from ..solvers.newton import ATTAINABLE, FORCE_TOLERANCE
 from .history import Entry, History
 
 FEW = 20
-AT_LIMIT = 1e-9  # a traction this close to mu p, relative to the largest, slides
 
 
 class ChecksFailed(RuntimeError):
@@ -64,7 +63,7 @@ def check(
         reach = max((largest_motion(a, b) for a, b in pairs), default=0.0)
         checks |= {
             "|q| <= mu p": Check(
-                max((excess(e.surface, mu) for e in loaded), default=0.0), 10 * max(tolerance, AT_LIMIT)
+                max((excess(e.surface, mu) for e in loaded), default=0.0), 10 * max(tolerance, FORCE_TOLERANCE)
             ),
             "slip against q": Check(max((wrong_slip(a, b, mu, reach) for a, b in pairs), default=0.0), WRONG_SLIP),
             "traction zigzags": Check(
@@ -146,10 +145,9 @@ def wrong_slip(before: SurfaceState, after: SurfaceState, mu: float, reach: floa
     moves, as at a dwell, shows round-off only and is measured by SMALL of that.
     """
     limit = mu * after.pressure
-    sliding = np.abs(after.traction) >= limit - AT_LIMIT * limit.max()
     moved = after.relative_displacement - before.relative_displacement
     touches = (before.pressure > 0) & (after.pressure > 0)  # of points that enter contact only a part is slip
-    work = np.where(sliding & touches, -after.weight * after.traction * moved, 0.0)
+    work = np.where(at_limit(after, mu) & touches, -after.weight * after.traction * moved, 0.0)
     most = after.line_load(limit) * max(largest_motion(before, after), SMALL * reach)
     return float(-work[work < 0].sum() / most) if most > 0 else 0.0
 

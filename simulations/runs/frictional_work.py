@@ -9,9 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
 
-from ..fem.surface import SurfaceState
+from ..fem.surface import SurfaceState, at_limit
 
-AT_LIMIT = 1e-6  # a traction this close to mu p, over the largest mu p, slides
 MOVES = 0.02  # of a point's distance from the edge: motions of the edge below do not count
 NEAREST = 0.25  # of the spacing of nodes: what an edge between nodes is known to
 
@@ -30,9 +29,7 @@ class Moment:
 
     def sliding(self, mu: float) -> np.ndarray:
         """Sign of the traction where points slide (n,), 0 elsewhere."""
-        limit = mu * self.surface.pressure
-        slides = (limit > 0) & (np.abs(self.surface.traction) >= limit - AT_LIMIT * limit.max())
-        return np.where(slides, np.sign(self.surface.traction), 0.0)
+        return np.where(at_limit(self.surface, mu), np.sign(self.surface.traction), 0.0)
 
 
 def frictional_work(before: Moment, after: Moment, mu: float, k: float, earlier: Moment | None = None) -> np.ndarray:
