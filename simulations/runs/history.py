@@ -69,6 +69,7 @@ class History:
     m: float | None = None
     exponents: Callable[[float], tuple[float, ...]] | None = None
     entries: list[Entry] = field(default_factory=list)
+    _rest: np.ndarray = field(init=False, repr=False)  # (n,) relative displacement from which slip counts
 
     def append(self, outcome: Outcome, surface: SurfaceState, seconds: float) -> Entry:
         """Add the state that ``outcome`` ended with."""
