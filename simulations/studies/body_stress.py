@@ -13,6 +13,7 @@ from matplotlib.ticker import MaxNLocator
 from ..command.command import comm, on_root, run, say
 from ..output.body_states import BodyState, read_states
 from ..output.checkpoint import read_scene
+from ..output.folder import refuse_changed
 from ..output.page_words import quantity
 from ..output.style import in_words, panels, save, style
 from ..scene import SceneError
@@ -92,6 +93,7 @@ def read(arguments: list[str]) -> Namespace:
     given.states = read_states(given.folder)
     with open(given.folder / "history.csv", newline="", encoding="utf-8") as file:
         given.a = half_width(csv.DictReader(file))
+    refuse_changed(given.folder)
     given.scene = read_scene(given.folder)
     if not given.states:
         raise SceneError(f"{given.folder} holds a run that recorded no state")
