@@ -119,11 +119,13 @@ def run(
     """Run a Scene, or ``make_scene(changes, base)``, to its end; no files. SolveError where there is no solution.
 
     Where checks of the result fail, a ``ChecksWarning`` names them (``warnings.simplefilter("error", ChecksWarning)``
-    makes it an error). comm: every rank of it calls ``run`` and gets the whole result; progress: called with each entry
-    of the history.
+    makes it an error). What theory or mesh show badly is a warning too. comm: every rank of it calls ``run`` and gets
+    the whole result; progress: called with each entry of the history.
     """
     scene = changes if isinstance(changes, Scene) else make_scene(changes, base)
     simulation = Simulation(comm, scene)
+    for words in simulation.warnings:
+        warnings.warn(words, stacklevel=2)
     for entry in simulation.run():
         if progress:
             progress(entry)

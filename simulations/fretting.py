@@ -1,6 +1,7 @@
 """Press a rigid cylinder onto a graded half-plane and rock it:  python -m simulations.fretting [SCENE.toml]."""
 
 import shlex
+import sys
 
 from .command.arguments import Request, read_request, set_petsc_options
 from .command.command import comm, on_root, run, say
@@ -67,6 +68,8 @@ def go(simulation: Simulation, folder, progress: Progress, again: str):
     progress.say(f"{title}: {simulation.body.unknowns} unknowns, {comm.size} rank(s)")
     if simulation.scene.solver.accuracy is not None:
         progress.say(expectation(simulation.scene))
+    for words in simulation.warnings:
+        say(f"warning: {words}", file=sys.stderr)
     progress.begin(simulation, expected_seconds(simulation))
     if simulation.history.entries:
         progress.say(f"going on after increment {len(simulation.history.entries)}/{progress.total}")

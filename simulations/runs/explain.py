@@ -10,7 +10,7 @@ TERMS = {X: "tangential traction", Y: "contact pressure"}
 
 
 def explain(simulation: Simulation) -> str:
-    """The effects with their reasons and what is left out, then the sizes of the problem."""
+    """The effects with their reasons and what is left out, then the sizes of the problem, and warnings."""
     body, solver = simulation.body, simulation.scene.solver.method
     problems = [simulation.solver.normal, simulation.solver.frictional]
     lines = [str(simulation.effects), f"{'unknowns':26s} {body.unknowns}"]
@@ -26,4 +26,5 @@ def explain(simulation: Simulation) -> str:
     lines.append(f"{'load steps':26s} {len(simulation.schedule)}")
     last = simulation.solver.frictional or simulation.solver.normal
     lines += [f"{'solved by' if i == 0 else '':26s} {way}" for i, way in enumerate(explained(last))]
+    lines += [f"{'warning':26s} {words}" for words in simulation.warnings]
     return "\n".join(lines)

@@ -1,5 +1,7 @@
 """Limits of the method, named before anything is solved: SceneError with the key and a value that would do.
 
+Where a run is of use beyond a limit, ``warnings_of`` has it in words.
+
 Every limit is measured (docs/stability.md). All lengths are in contact half-widths.
 """
 
@@ -10,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from ..scene import SceneError, shown
 from ..scene.output import NORMAL
+from ..scene.steepness import steepness_warning
 from ..scene.tables import ExponentialCoating, LinearCoating, PowerLawCoating
 from ..solvers.newton import ATTAINABLE, FORCE_TOLERANCE, ROUND_OFF
 
@@ -120,6 +123,11 @@ def check_resolution(scene: Scene, cells: Grading, loop: FrettingLoop | None):
             f"mesh.{name} = {size:g} is too coarse for k = {scene.k:g}: tractions that end so steeply would be off by "
             f"about {expected_error(scene.k, size):.0%}; {_digit(needed):g} or less keeps that below {STEEPEST:.0%}"
         )
+
+
+def warnings_of(scene: Scene, cells: Grading, loop: FrettingLoop | None) -> list[str]:
+    """What theory or mesh show badly though the run is possible, in words: a steep indenter."""
+    return [words for words in [steepness_warning(scene.half_width, scene.indenter)] if words]
 
 
 def expected_error(k: float, size: float) -> float:

@@ -77,6 +77,7 @@ def summary(simulation: Simulation, findings: Findings | None, failure: str | No
         "converged": findings is not None,
         "checks_hold": None if findings is None else checks.hold(findings.checks),
         "failure": failure,
+        "warnings": simulation.warnings,
         "effects": {name: verdict.on for name, verdict in simulation.effects.verdicts.items()},
         "increments": len(history.entries),
         "resumed": simulation.resumed,

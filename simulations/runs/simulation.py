@@ -31,6 +31,7 @@ from .limits import (
     check_round_off,
     check_size,
     too_wide,
+    warnings_of,
 )
 from .reuse import Meshed, why_not
 from .timing import Stopwatch
@@ -103,6 +104,11 @@ class Simulation(Meshed):
         self.sampler = SurfaceSampler(self.body, normal, scene.friction and "coupling" not in self.effects)
         self.resumed = 0  # times
         self.history = History(scene.k, self.mu, indenter.order if pressing else None, self._exponents())
+
+    @property
+    def warnings(self) -> list[str]:
+        """What theory or mesh show badly, one line each."""
+        return warnings_of(self.scene, self.cells, self.loop)
 
     def _first_half_width(self) -> float:
         """Of the frictionless contact under the first load; of a coating not more than a, nearly."""

@@ -15,7 +15,7 @@ import sympy
 
 from analytic import PowerProfile, Profile
 
-from .errors import SceneError, shown
+from .errors import SceneError, one_line, shown
 from .tables import AnyIndenter, Circle, Formula, Parabola, Power
 
 DISTANCE = sympy.Symbol("x", nonnegative=True)  # |x| - flat >= 0
@@ -51,6 +51,11 @@ class Shape:
         """f at positions x, numpy."""
         distance = np.maximum(np.abs(np.asarray(x, dtype=float)) - self.flat, 0.0)
         return self._numpy(self.formula)(distance)
+
+    def slope(self, x):
+        """f' at positions x >= 0, numpy."""
+        distance = np.maximum(np.asarray(x, dtype=float) - self.flat, 0.0)
+        return self._numpy(sympy.diff(self.formula, DISTANCE))(distance)
 
     def analytic(self) -> Profile | PowerProfile:
         """f for the closed forms, with its slope, curvature and the power with which it begins."""
@@ -113,6 +118,13 @@ def shape_of(indenter: AnyIndenter) -> Shape:
         m = indenter.exponent
         return Shape(R * (x / R) ** (int(m) if m == int(m) else m) / m)
     return Shape(x**2 / (2 * R), flat=0.0 if isinstance(indenter, Parabola) else indenter.flat)
+
+
+def named(indenter: AnyIndenter) -> str:
+    """The key of an indenter's shape with its value."""
+    is_formula = isinstance(indenter, Formula)
+    key, word = ("formula", one_line(indenter.formula)) if is_formula else ("profile", indenter.profile)
+    return f'indenter.{key} = "{word}"'
 
 
 def read_formula(key: str, text: str, R: float | None) -> sympy.Expr:

@@ -11,12 +11,15 @@ from analytic import GradedHalfPlane
 from . import accuracy
 from .errors import SceneError, one_line, shown
 from .fields import allowed, plain
-from .indenter import Shape, shape_of
+from .indenter import Shape, named, shape_of
 from .output import Output
 from .settings import EffectSwitches, Mesh, Reference, Solver, switches
 from .solid import is_holl_ratio, normal_contact
+from .steepness import look_at
 from .table import KINDS, Table, fields, model_for, unknown
-from .tables import ONE_OF_TWO, TANGENTIAL, AnyIndenter, AnyLoad, AnySolid, Fretting, Indentation, Path
+from .tables import ONE_OF_TWO, TANGENTIAL, AnyIndenter, AnyLoad, AnySolid, Formula, Fretting, Indentation, Path
+
+NEEDED = "f is to be 0 at 0, positive beside it, and convex as far as contact reaches"
 
 
 def typed_tables(given: Mapping[str, Any]) -> dict[str, Table]:
@@ -97,7 +100,8 @@ def _in_metres(solid: AnySolid, indenter: AnyIndenter, load: AnyLoad) -> AnySoli
     for length, ratio in ONE_OF_TWO:
         multiple = getattr(solid, ratio, None)
         if multiple is not None:
-            a0 = fitting("a0", lambda: half_width_on_homogeneous(solid, shape_of(indenter), load.P), load.P)
+            tables = solid, indenter, load
+            a0 = fitting("a0", lambda: half_width_on_homogeneous(solid, shape_of(indenter), load.P), *tables)
             others = {name: value for name, value in solid.given().items() if name != ratio}
             solid = type(solid)(**others, **{length: multiple * a0})
     return solid
@@ -108,18 +112,24 @@ def half_width_on_homogeneous(solid: AnySolid, shape: Shape, P: float) -> float:
     return normal_contact(GradedHalfPlane(solid.E0, solid.nu, 0.0, 1.0), shape, P).a
 
 
-def fitting(name: str, work_out: Callable[[], float], P: float) -> float:
+def fitting(
+    name: str, work_out: Callable[[], float], solid: AnySolid, indenter: AnyIndenter, load: AnyLoad
+) -> float:
     """A size of the contact; SceneError where numbers, each allowed, make one that does not exist or that no float
     holds.
     """
     try:
         with np.errstate(all="ignore"):
             value = float(work_out())
-        pressure = P / value
+        pressure = load.P / value
     except SceneError:
         raise
     except (ArithmeticError, ValueError, TypeError, NotImplementedError, RecursionError) as error:
-        raise SceneError(f"the scene's numbers do not fit together: {one_line(str(error))}") from None
-    if not all(isfinite(v) and v > 0 for v in (value, pressure)):
-        raise SceneError(f"the scene's numbers do not fit together: {name} = {value:g} m, P/a = {pressure:g} Pa")
-    return value
+        reason = one_line(str(error))
+        if isinstance(indenter, Formula) and not isinstance(error, ArithmeticError):
+            raise SceneError(f"{named(indenter)} is not allowed: {NEEDED} ({reason})") from None
+    else:
+        if all(isfinite(v) and v > 0 for v in (value, pressure)):
+            return value
+        reason = f"{name} = {value:g} m, P/a = {pressure:g} Pa"
+    raise SceneError(f"the scene's numbers do not fit together: {reason}; {look_at(solid, indenter, load)}")

@@ -8,14 +8,15 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 from analytic import CylinderContact, GradedHalfPlane, ProfileContact, StretchedLoop
 
 from . import solid as solids
-from .errors import SceneError, one_line, shown
+from .errors import SceneError, shown
 from .fields import LONGEST, Text
-from .indenter import Shape, shape_of
+from .indenter import Shape, named, shape_of
 from .output import Output
 from .resolve import fitting, half_width_on_homogeneous, typed_tables
 from .settings import EffectSwitches, Mesh, Reference, Solver
+from .steepness import check_steepness
 from .table import KINDS
-from .tables import AnyIndenter, AnyLoad, AnySolid, Formula, Fretting, Homogeneous, Path, PowerLaw
+from .tables import AnyIndenter, AnyLoad, AnySolid, Fretting, Homogeneous, Path, PowerLaw
 from .text import written
 
 LOCKING = 0.47  # Poisson's ratio above which plain displacements lose to the mixed form, measured (docs/effects.md)
@@ -56,13 +57,11 @@ class Scene(BaseModel):
     @model_validator(mode="after")
     def _tables_go_together(self):
         self._check_effects()
-        a = fitting("half_width", lambda: self.half_width, self.P)
+        a = fitting("half_width", lambda: self.half_width, self.solid, self.indenter, self.load)
+        check_steepness(a, self.solid, self.indenter, self.load)
         defect = self.shape.defect(1.5 * a)
         if defect:
-            key, word = "profile", self.indenter.profile
-            if isinstance(self.indenter, Formula):
-                key, word = "formula", one_line(self.indenter.formula)
-            raise SceneError(f'indenter.{key} = "{word}" is not allowed: {defect}')
+            raise SceneError(f"{named(self.indenter)} is not allowed: {defect}")
         return self
 
     def _check_effects(self):

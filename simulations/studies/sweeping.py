@@ -201,6 +201,8 @@ def numbers(simulation: Simulation) -> Row:
         row["reference"] = f"none: {reason}"
     broken = [name for name, one in found.items() if not one.holds]
     row |= {"checks": HOLD if not broken else "not held: " + "; ".join(broken)}
+    if simulation.warnings:
+        row["warnings"] = "; ".join(simulation.warnings)
     row |= {"unknowns": simulation.body.unknowns, "increments": len(history.entries)}
     row["newton_iterations"] = sum(entry.iterations for entry in history.entries)
     return {key: float(value) if isinstance(value, float) else value for key, value in row.items()}

@@ -153,7 +153,23 @@ REFUSED: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "underflow": (by_set("load.P=1e-300", "solid.E0=1e300"), ("do not fit together",)),
     "load beyond the circle": (
         by_set("indenter.profile=circle", "load.P=1e13"),
-        ("do not fit together", "before it carries P"),
+        ("do not fit together", "load.P = 1e+13 N/m, indenter.R = 0.1 m", "before it carries P"),
+    ),
+    "load beyond the parabola": (
+        by_set("load.P=1e13"),
+        ("on indenter.R = 0.1 m", "less than 1 is allowed", "load.P = 1e+13 N/m"),
+    ),
+    "modulus in GPa": (
+        by_set("solid.E0=210"),
+        ("a = 33 m on indenter.R = 0.1 m", "look at solid.E0 = 210 Pa, load.P = 1e+06 N/m, indenter.R = 0.1 m"),
+    ),
+    "radius of no size": (
+        by_set("indenter.R=1e-7", "indenter.profile=power", "indenter.exponent=4"),
+        ("on indenter.R = 1e-07 m", "less than 1 is allowed"),
+    ),
+    "formula of another size": (
+        by_set(FORMULA, "indenter.formula=x**2/2e-9"),
+        ("indenter.formula = 'x**2/2e-9'", "less than 1 is allowed"),
     ),
     # points
     "points without mu": (("points_without_mu.toml",), ("load.mu is missing",)),
@@ -193,6 +209,18 @@ REFUSED: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "division by zero": (by_set(FORMULA, "indenter.formula=x/0"), ("indenter.formula", "real function")),
     "imaginary": (by_set(FORMULA, "indenter.formula=sqrt(-x)"), ("indenter.formula", "real function")),
     "not convex": (by_set(FORMULA, "indenter.formula=x**2/R-1e7*x**4"), ("not convex",)),
+    "formula below 0": (
+        by_set(FORMULA, "indenter.formula=-x**2"),
+        ('indenter.formula = "-x**2" is not allowed: f is to be 0 at 0, positive beside it, and convex',),
+    ),
+    "concave formula": (
+        by_set(FORMULA, "indenter.formula=x**0.5", "solid.y0=0.01"),
+        ('indenter.formula = "x**0.5" is not allowed: f is to be 0 at 0, positive beside it, and convex',),
+    ),
+    "not convex far out": (
+        by_set(FORMULA, "indenter.formula=x**2-x**3*1e6"),
+        ('indenter.formula = "x**2-x**3*1e6" is not allowed', "not convex up to x = 1.02e-06"),
+    ),
     "does not start at 0": (by_set(FORMULA, "indenter.formula=1+x**2"), ("indenter.formula",)),
     "two arguments": (by_set(FORMULA, "indenter.formula=sqrt(x, x)"), ("indenter.formula", "arithmetic")),
     "kink": (

@@ -1,0 +1,63 @@
+"""Runs that are possible and beyond what theory or mesh show well: they say so in every place."""
+
+import json
+
+import pytest
+from running import COARSE, coarse_arguments, coarse_overrides, run_command
+from solving import coarse_simulation
+
+from simulations import parse, run
+from simulations.runs.explain import explain
+from simulations.runs.report_data import summary
+from simulations.scene import DEFAULT_SCENE, SceneError
+from simulations.scene.steepness import SMALL, edge_slope
+from simulations.studies.sweeping import sweep
+
+STEEP = {"load.P": 6e8, "load.cycles": 0, "solver.increments": 1}  # a/R = 0.26
+WORDS = "a = 0.0256 m on indenter.R = 0.1 m: the slope of the indenter where contact ends is 0.26; up to 0.2"
+
+
+def test_an_ordinary_run_has_none():
+    simulation = coarse_simulation()
+    assert simulation.warnings == summary(simulation, None)["warnings"] == []
+    assert "warning" not in explain(simulation)
+
+
+def test_a_steep_indenter_is_told_in_every_place(tmp_path):
+    with pytest.warns(UserWarning, match="slope of the indenter") as told:
+        simulation = run(COARSE | STEEP).simulation
+    (words,) = simulation.warnings
+    assert WORDS in words and [str(warning.message) for warning in told] == [words]
+    assert explain(simulation).endswith(f"\nwarning                    {words}")
+    (row,) = sweep(vary=[STEEP], sets=coarse_overrides())
+    assert row["warnings"] == words
+    done = run_command("--quiet", *coarse_arguments(tmp_path, **STEEP))
+    assert done.returncode == 0 and done.stderr == f"warning: {words}\n"
+    assert json.loads((tmp_path / "summary.json").read_text())["warnings"] == [words]
+
+
+@pytest.mark.parametrize(
+    "keys",
+    [
+        ("load.P=1e9",),
+        ("load.P=1e9", "indenter.profile=circle"),
+        ("load.P=1e9", "indenter.profile=formula", "indenter.formula=x**2/(2*R)"),
+        ("load.P=2e9", "indenter.profile=rounded flat", "indenter.flat=1e-3"),
+        ("load.P=1e9", "solid.modulus=power-law coating", "solid.thickness=1e-3", "solid.nu=0.3"),
+    ],
+)
+def test_the_slope_is_that_of_the_indenter_where_contact_ends(keys):
+    """f' from heights on either side of a. A parabola is lower than its circle by slope²/4: at the limit by 1 %."""
+    scene = parse(DEFAULT_SCENE, keys)
+    a, step = scene.half_width, 1e-6 * scene.half_width
+    heights = scene.shape.height([a - step, a + step])
+    assert edge_slope(a, scene.indenter) == pytest.approx((heights[1] - heights[0]) / (2 * step), rel=1e-6)
+    assert 1 - (SMALL**2 / 2) / (1 - (1 - SMALL**2) ** 0.5) == pytest.approx(0.01, rel=0.02)
+
+
+@pytest.mark.parametrize("profile", ["parabola", "circle"])
+def test_no_contact_is_wider_than_its_cylinder(profile):
+    keys = (f"indenter.profile={profile}", "solid.nu=0.3")
+    with pytest.raises(SceneError, match="look at solid.E0 = 210 Pa, load.P = 1e.06 N/m, indenter.R = 0.1 m"):
+        parse(DEFAULT_SCENE, (*keys, "solid.E0=210"))
+    assert parse(DEFAULT_SCENE, (*keys, "solid.E0=210e6")).half_width < 0.1
