@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 MOST_UNKNOWNS = 1_000_000  # some minutes, and 3 GB in the factorisation
 MOST_MATRIX = 4.0  # GB in the dense matrices of the condensed method
 NARROWEST = 3.0  # slip zone over edge_facet: there the energy is off by 5 %, with 1 by 30 %, with 0.2 by 180 %
+NARROWEST_STICK = 5.0  # c over edge_facet: there c is off by 3 %, with 4 by 20 %, with 1 it is lost
 STEEPEST = 0.1  # estimated relative error of the traction from its steep ends alone
 LOWEST = 0.05  # the first layer's lowest Gauss point, over its height: 0.07 and more
 SMALLEST = -300.0  # decimal logarithm of the smallest ordinary number is -307.7
@@ -126,8 +127,17 @@ def check_resolution(scene: Scene, cells: Grading, loop: FrettingLoop | None):
 
 
 def warnings_of(scene: Scene, cells: Grading, loop: FrettingLoop | None) -> list[str]:
-    """What theory or mesh show badly though the run is possible, in words: a steep indenter."""
-    return [words for words in [steepness_warning(scene.half_width, scene.indenter)] if words]
+    """What theory or mesh show badly though the run is possible, in words: a steep indenter, a stick zone too narrow.
+
+    A narrow one spoils no more than c: p, q and energy do not feel it.
+    """
+    found, facet = [steepness_warning(scene.half_width, scene.indenter)], min(cells.edge_facet, cells.facet)
+    if loop is not None and loop.c < NARROWEST_STICK * facet:
+        found.append(
+            f"mesh.edge_facet = {cells.edge_facet:g} is too coarse for c/a: the stick half-width is {loop.c:.2g} a at "
+            f"load.amplitude = {scene.load.amplitude:g} and needs {_digit(loop.c / NARROWEST_STICK):g} or less"
+        )
+    return [words for words in found if words]
 
 
 def expected_error(k: float, size: float) -> float:

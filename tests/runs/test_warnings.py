@@ -3,11 +3,15 @@
 import json
 
 import pytest
+from mpi4py import MPI
 from running import COARSE, coarse_arguments, coarse_overrides, run_command
 from solving import coarse_simulation
 
-from simulations import parse, run
+from simulations import Simulation, make_scene, parse, run
+from simulations.runs.comparison import compare
 from simulations.runs.explain import explain
+from simulations.runs.limits import NARROWEST_STICK
+from simulations.runs.reference import of_same_physics
 from simulations.runs.report_data import summary
 from simulations.scene import DEFAULT_SCENE, SceneError
 from simulations.scene.steepness import SMALL, edge_slope
@@ -61,3 +65,18 @@ def test_no_contact_is_wider_than_its_cylinder(profile):
     with pytest.raises(SceneError, match="look at solid.E0 = 210 Pa, load.P = 1e.06 N/m, indenter.R = 0.1 m"):
         parse(DEFAULT_SCENE, (*keys, "solid.E0=210"))
     assert parse(DEFAULT_SCENE, (*keys, "solid.E0=210e6")).half_width < 0.1
+
+
+@pytest.mark.parametrize("share, least, most", [(1.0, 1e-3, 0.05), (0.6, 0.1, 0.3)])
+def test_a_stick_zone_is_told_where_its_half_width_is_off(share, least, most):
+    """By the closed form c = (1 - Q_A/(mu P))^(1/(2+k)) a: with 5 edge_facet c is off by 3 %, with 3 by 24 %."""
+    c = 1.001 * share * NARROWEST_STICK * 4e-3
+    keys = {"solid.k": 0.5, "solid.nu": 0.3, "load.amplitude": 1 - c**2.5, "effects.coupling": False}
+    keys |= {"mesh.edge_facet": 4e-3, "solver.increments": 2}
+    simulation = Simulation(MPI.COMM_SELF, make_scene(keys)).run_to_end()
+    assert least < abs(compare(simulation.history, of_same_physics(simulation))["c"]) < most
+    told = [words for words in simulation.warnings if "is too coarse for c/a" in words]
+    assert len(told) == (share < 1)
+    for words in told:
+        assert f"mesh.edge_facet = 0.004 is too coarse for c/a: the stick half-width is {c:.2g} a" in words
+        assert words.endswith("needs 0.002 or less")
