@@ -66,6 +66,8 @@ def read_request(arguments: list[str], program: str, description: str | None, de
         scene = checkpoint.read_scene(given.resume)
         return Request(scene, given.resume, command, None, petsc, False, given.quiet, resume=True)
     text = default if given.scene is None else _read(given.scene)
+    if given.scene is None:
+        _check_values(petsc)
     reference = [] if given.reference is None else [f"reference.kind={json.dumps(given.reference)}"]
     accuracy = [] if given.accuracy is None else [f"solver.accuracy={given.accuracy}"]
     called = "the scene" if given.scene is None else f"scene {shown(given.scene)}"
@@ -118,6 +120,13 @@ def _split_petsc(arguments, options):
         (petsc if is_option or is_value else own).append(argument)
         awaits_value = is_option
     return own, tuple(petsc)
+
+
+def _check_values(petsc):
+    """SceneError for a file that PETSc would get as the value of an option: a scene without a name in .toml."""
+    for option, value in zip(petsc, petsc[1:]):
+        if not value.startswith("-") and not option.startswith("-options_file") and Path(value).is_file():
+            raise SceneError(f"scene {shown(Path(value))} stands after the PETSc option {shown(option)}: put it first")
 
 
 def _read(path: Path) -> str:

@@ -40,6 +40,7 @@ SCENES: dict[str, str | bytes] = {
     "points_empty.toml": SOLID + "[load]\nmu = 0.3\npoints = []\n",
     "date.toml": DEFAULT_SCENE.replace("k = 0.3", "k = 2026-01-01"),
     "key_without_table.toml": "k = 0.3\n" + DEFAULT_SCENE,
+    "scene.txt": DEFAULT_SCENE,
     "array_of_tables.toml": "[[solid]]\nk = 0.3\n",
 }
 
@@ -228,6 +229,10 @@ REFUSED: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
         ("indenter.formula", "a kink"),
     ),
     # files
+    "scene for PETSc": (
+        ("-fretting_snes_monitor", "scene.txt", "--explain"),
+        ("scene scene.txt stands after the PETSc option '-fretting_snes_monitor': put it first",),
+    ),
     "absent scene": (("absent.toml",), ("absent.toml", "No such file")),
     "folder for a scene": ((".",), ("cannot be read", "Is a directory")),
     "device for a scene": (("/dev/zero",), ("/dev/zero", "not a text file")),
