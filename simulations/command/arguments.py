@@ -42,14 +42,22 @@ class Request:
 
 
 class Parser(argparse.ArgumentParser):
-    """Takes a wrong command line for wrong input: one line, exit code 2. Knows --version."""
+    """Takes a wrong command line for wrong input: one line, exit code 2. Knows --version; no path is empty."""
 
     def __init__(self, *arguments, **options):
         super().__init__(*arguments, **options)
+        self.register("type", Path, _path)
         self.add_argument("--version", action="version", version=f"graded-fretting {__version__}")
 
     def error(self, message) -> NoReturn:
         raise SceneError(f"{message} (see --help)")
+
+
+def _path(text: str) -> Path:
+    """Path("") would be this folder, and an unset variable of the shell leaves the empty text."""
+    if not text:
+        raise argparse.ArgumentTypeError("'' is not allowed: the name of a file or folder")
+    return Path(text)
 
 
 def read_request(arguments: list[str], program: str, description: str | None, default: str) -> Request:

@@ -1,5 +1,6 @@
 """Wrong input: one line that names key, value and what is allowed; exit code 2; nothing written; at once."""
 
+import importlib
 import json
 import os
 import shutil
@@ -100,6 +101,23 @@ def test_no_room_for_results(tmp_path):
 def test_other_commands_refuse_in_one_line_too(folder):
     done = run_command("--ouput", "x", cwd=folder, module="simulations.indentation")
     assert done.returncode == 2 and len(done.stderr.splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    "module, arguments",
+    [
+        ("sweep", ["--vary", "load.mu=0.1,0.2", "--output", ""]),
+        ("report", [""]),
+        ("studies.figures", ["--output", ""]),
+        ("studies.stability", ["--page", ""]),
+        ("studies.body_stress", [""]),
+    ],
+)
+def test_no_command_takes_the_empty_text_for_this_folder(module, arguments, folder):
+    main = importlib.import_module(f"simulations.{module}").main
+    with pytest.raises(SceneError, match="^argument .*: '' is not allowed: the name of a file or folder"):
+        main(arguments)
+    assert sorted(path.name for path in folder.iterdir()) == sorted(SCENES)
 
 
 @pytest.mark.parametrize("stream", ["/dev/full", "closed pipe"])
