@@ -45,7 +45,8 @@ class Solid(Table):
                     or_that = " or ".join(f"solid.{n}: {allowed(type(self).model_fields[n])}" for n in pair)
                     raise SceneError(f"solid.{pair[0]} is missing: {or_that.partition(': ')[2]}")
                 if len(given) > 1:
-                    raise SceneError(f"exactly one of solid.{pair[0]} and solid.{pair[1]} is to be given")
+                    both = " and ".join(f"solid.{name} = {getattr(self, name):g}" for name in given)
+                    raise SceneError(f"{both} are not allowed together: one of them is to be given")
         return self
 
     @model_validator(mode="wrap")
@@ -195,7 +196,8 @@ class Fretting(Load):
     @model_validator(mode="after")
     def _bulk_keys_go_together(self):
         if self.bulk_strain is not None and self.bulk_stress is not None:
-            raise SceneError("exactly one of load.bulk_strain and load.bulk_stress is to be given")
+            both = f"load.bulk_strain = {self.bulk_strain:g} and load.bulk_stress = {self.bulk_stress:g}"
+            raise SceneError(f"{both} are not allowed together: one of them is to be given")
         if self.bulk_depth is not None and self.bulk_stress is None:
             raise SceneError(f"load.bulk_depth = {self.bulk_depth:g} is not allowed without load.bulk_stress")
         phase = f"load.bulk_phase = {shown(self.bulk_phase)} is not allowed without"

@@ -3,6 +3,7 @@
 import json
 import re
 import tomllib
+from math import isfinite
 from typing import Any
 
 from .errors import SceneError, one_line, shown
@@ -51,5 +52,9 @@ def flatten(document: dict) -> dict[str, Any]:
 
 
 def written(value) -> str:
-    """A value as TOML: JSON but for two characters."""
+    """A value as TOML: JSON but for two characters, and for what is no number."""
+    if isinstance(value, (list, tuple)):
+        return f"[{', '.join(map(written, value))}]"
+    if isinstance(value, float) and not isfinite(value):
+        return str(value)
     return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")

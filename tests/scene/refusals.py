@@ -132,7 +132,7 @@ REFUSED: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     ),
     "exponent of a parabola": (by_set("indenter.exponent=4"), ("indenter.exponent", 'indenter.profile = "parabola"')),
     "k of a homogeneous solid": (by_set("solid.modulus=homogeneous"), ("solid.k", 'solid.modulus = "homogeneous"')),
-    "y0 twice": (("both_y0.toml",), ("exactly one of solid.y0 and solid.y0_over_a0",)),
+    "y0 twice": (("both_y0.toml",), ("solid.y0 = 1 and solid.y0_over_a0 = 10 are not allowed together: one of them is to be given",)),
     "points and P": (("points_and_P.toml",), ("load.P", "beside load.points")),
     "bulk strain without friction": (
         by_set("load.bulk_strain=1e-4", "effects.friction=false"),
@@ -140,7 +140,7 @@ REFUSED: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     ),
     "bulk strain twice": (
         by_set("load.bulk_strain=1e-4", "load.bulk_stress=1e6"),
-        ("exactly one of load.bulk_strain and load.bulk_stress",),
+        ("load.bulk_strain = 0.0001 and load.bulk_stress = 1e+06 are not allowed together",),
     ),
     "too much bulk strain": (by_set("load.bulk_strain=0.2"), ("load.bulk_strain = 0.2", "-0.1 ≤ value ≤ 0.1")),
     "bulk stress at no depth": (by_set("load.bulk_stress=1e6"), ("load.bulk_depth is missing",)),

@@ -210,6 +210,7 @@ BAD = {
     "no count": (["--vary", "solid.k=0.1:0.2"], "FIRST:LAST:COUNT"),
     "words": (["--vary", "solid.k=a:b:3"], "FIRST:LAST:COUNT"),
     "out of range": (["--vary", "solid.k=0.1,1.5"], "1.5"),
+    "no number": (["--vary", "load.mu=0.1,nan"], "load.mu = nan is to vary, but: load.mu = nan is not allowed: a number"),
     "too many": (["--vary", "solid.k=0:0.9:1000", "--vary", "load.mu=0.1:0.9:1000"], "1000000 scenes"),
     "part of a count": (["--vary", "solid.k=0.1:0.2:1.5"], "COUNT from 2 to 100000"),
     "no file": (["--csv-in", "absent.csv"], "absent.csv cannot be read: No such file"),
