@@ -12,11 +12,12 @@ from types import ModuleType
 
 from .command.command import NO_SOLUTION, Parser, comm, on_root, run, say, writable
 from .runs.checks import ChecksFailed
-from .scene import DEFAULT_SCENE, SceneError
+from .scene import DEFAULT_SCENE, SceneError, shown
+from .scene.text import read_keys, read_text
 from .studies.engine import workers
 from .studies.sweep_folder import TABLE, take
 from .studies.sweeping import Table, items_of, run_sweep, sweep
-from .studies.variation import check, product, read_table, read_text, read_vary
+from .studies.variation import check, product, read_table, read_vary
 from .version import __version__
 
 
@@ -63,6 +64,7 @@ def read(arguments: list[str]) -> Namespace:
     parser.add_argument("--version", action="version", version=f"graded-fretting {__version__}")
     given = parser.parse_args(arguments)
     given.text = DEFAULT_SCENE if given.scene is None else read_text(given.scene, "scene")
+    read_keys(given.text, f"scene {shown(given.scene)}")
     given.sets = tuple(given.set)
     rows = read_table(given.csv_in) if given.csv_in else [{}]
     given.cases = product(read_vary(given.vary), rows)

@@ -12,9 +12,9 @@ from petsc4py import PETSc
 
 from ..output import checkpoint
 from ..scene import Scene, SceneError, parse, shown
+from ..scene.text import read_text
 from ..version import __version__
 
-LARGEST_SCENE = 1_000_000
 EPILOG = """\
 A folder that holds a run is not written into: --resume DIR goes on with that run, --overwrite replaces it, and while a
 run is going on nobody else gets its folder. Files that no run wrote are never replaced.
@@ -73,7 +73,7 @@ def read_request(arguments: list[str], program: str, description: str | None, de
             raise SceneError(f"--resume takes no {names}: its folder has the scene")
         scene = checkpoint.read_scene(given.resume)
         return Request(scene, given.resume, command, None, petsc, False, given.quiet, resume=True)
-    text = default if given.scene is None else _read(given.scene)
+    text = default if given.scene is None else read_text(given.scene, "scene")
     if given.scene is None:
         _check_values(petsc)
     reference = [] if given.reference is None else [f"reference.kind={json.dumps(given.reference)}"]
@@ -135,16 +135,3 @@ def _check_values(petsc):
     for option, value in zip(petsc, petsc[1:]):
         if not value.startswith("-") and not option.startswith("-options_file") and Path(value).is_file():
             raise SceneError(f"scene {shown(Path(value))} stands after the PETSc option {shown(option)}: put it first")
-
-
-def _read(path: Path) -> str:
-    try:
-        if path.exists() and not path.is_dir() and not (path.is_file() and path.stat().st_size <= LARGEST_SCENE):
-            raise SceneError(f"scene {shown(path)} cannot be read: not a text file of at most {LARGEST_SCENE} bytes")
-        return path.read_text(encoding="utf-8-sig")
-    except SceneError:
-        raise
-    except (OSError, ValueError) as error:
-        if isinstance(error, UnicodeDecodeError):
-            raise SceneError(f"scene {shown(path)} is not TOML: it is not even text") from None
-        raise SceneError(f"scene {shown(path)} cannot be read: {getattr(error, 'strerror', error)}") from None

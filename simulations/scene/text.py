@@ -4,9 +4,24 @@ import json
 import re
 import tomllib
 from math import isfinite
+from pathlib import Path
 from typing import Any
 
 from .errors import SceneError, one_line, shown
+
+LARGEST = 10_000_000  # bytes of a file
+
+
+def read_text(path: Path, what: str) -> str:
+    """Text of a file; SceneError, which calls it ``what``, where it cannot be read."""
+    try:
+        if path.exists() and not path.is_dir() and not (path.is_file() and path.stat().st_size <= LARGEST):
+            raise SceneError(f"{what} {shown(path)} cannot be read: not a text file of at most {LARGEST} bytes")
+        return path.read_text(encoding="utf-8-sig")
+    except UnicodeDecodeError:
+        raise SceneError(f"{what} {shown(path)} cannot be read: it is not even text") from None
+    except (OSError, ValueError) as error:
+        raise SceneError(f"{what} {shown(path)} cannot be read: {getattr(error, 'strerror', error)}") from None
 
 
 def read_keys(text: str, name: str = "the scene") -> dict[str, Any]:

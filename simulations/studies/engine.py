@@ -14,6 +14,7 @@ from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from contextlib import contextmanager
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from mpi4py import MPI
@@ -21,6 +22,7 @@ from mpi4py.futures import MPICommExecutor
 
 from ..command.progress import duration
 from ..command.stopping import stopping
+from ..output.checkpoint import is_complete
 from ..output.files import OutputError
 from ..scene import SceneError
 from .store import Store
@@ -35,7 +37,10 @@ PAUSE = 1.0  # seconds between two lines of progress
 
 @dataclass(frozen=True)
 class Item:
-    """One run: a name for people, and the values that ``work`` is called with (numbers, texts, lists of these)."""
+    """One run: a name for people, and the values that ``work`` is called with (numbers, texts, lists of these).
+
+    values["folder"], where there is one, is the folder of its results.
+    """
 
     name: str
     values: dict[str, Any]
@@ -71,14 +76,14 @@ def run_all(
 ) -> list[Row]:
     """The row of every item, in order: what ``work(item.values)`` returns, or ``{"failed": reason}``.
 
-    What the store holds is not run again; a failed run is told, never kept (another call tries it again), and never the
-    end of the others. executor: None, or where runs may go; takes_part: this process works too, from the end of the
-    list, so that N ranks do the work of N. tell: called with lines of progress. OutputError where the store cannot be
-    written.
+    What the store holds is not run again, unless its folder is gone; a failed run is told, never kept (another call
+    tries it again), and never the end of the others. executor: None, or where runs may go; takes_part: this process
+    works too, from the end of the list, so that N ranks do the work of N. tell: called with lines of progress.
+    OutputError where the store cannot be written.
     """
     items = list(items)
     kept = store.read() if store else {}
-    rows = {number: kept[item] for number, item in enumerate(map(_key, items)) if item in kept}
+    rows = {n: kept[_key(item)] for n, item in enumerate(items) if _key(item) in kept and _is_there(item)}
     progress = _Progress(len(items), len(rows), tell)
 
     def finish(number: int, row: Row):
@@ -128,6 +133,11 @@ def _share(waiting: dict[Future, int], attempt: Callable[[int], Row], finish: Ca
 
 def _key(item: Item) -> str:
     return Store.key(item.name, item.values)
+
+
+def _is_there(item: Item) -> bool:
+    """False where the folder of a run's results is gone."""
+    return "folder" not in item.values or is_complete(Path(item.values["folder"]))
 
 
 def _attempt(work, values) -> Row:

@@ -13,25 +13,12 @@ import numpy as np
 
 from ..scene import SceneError, parse, shown
 from ..scene.errors import one_line
-from ..scene.text import flatten, read_keys, read_value, written
+from ..scene.text import flatten, read_keys, read_text, read_value, written
 
 Changes = dict[str, Any]  # keys of a scene and their values
 MOST = 100_000  # scenes of a sweep
-LARGEST = 10_000_000  # bytes of a file
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 RANGE = re.compile(rf"({NUMBER}):({NUMBER}):(\d+)")
-
-
-def read_text(path: Path, what: str) -> str:
-    """Text of a file; SceneError where it cannot be read."""
-    try:
-        if path.exists() and (not path.is_file() or path.stat().st_size > LARGEST):
-            raise SceneError(f"{what} {shown(path)} cannot be read: not a file of at most {LARGEST} bytes")
-        return path.read_text(encoding="utf-8-sig")
-    except OSError as error:
-        raise SceneError(f"{what} {shown(path)} cannot be read: {error.strerror}") from None
-    except UnicodeDecodeError:
-        raise SceneError(f"{what} {shown(path)} cannot be read: it is not text") from None
 
 
 def read_vary(options: Sequence[str]) -> dict[str, list]:

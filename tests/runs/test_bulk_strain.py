@@ -151,7 +151,7 @@ def test_stress_instead_of_strain():
         (("load.bulk_strain=1e-4", "load.bulk_phase=90", "load.cycles=0"), "without a cycle, here load.cycles = 0"),
         (("load.bulk_strain=1e-4", 'load.bulk_phase="later"'), 'or "constant"'),
         (("load.bulk_strain=0.2",), "-0.1 ≤ value ≤ 0.1"),
-        (("load.bulk_strain=1e-4", "load.bulk_stress=1e6"), "load.bulk_strain = 0.0001 and load.bulk_stress = 1e+06 are"),
+        (("load.bulk_strain=1e-4", "load.bulk_stress=1e6"), "load.bulk_strain = 0.0001 and load.bulk_stress = 1e+06"),
         (("load.bulk_depth=1.0",), "not allowed without load.bulk_stress"),
         (("load.bulk_stress=1e6",), "load.bulk_depth is missing"),
     ],

@@ -132,7 +132,10 @@ REFUSED: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     ),
     "exponent of a parabola": (by_set("indenter.exponent=4"), ("indenter.exponent", 'indenter.profile = "parabola"')),
     "k of a homogeneous solid": (by_set("solid.modulus=homogeneous"), ("solid.k", 'solid.modulus = "homogeneous"')),
-    "y0 twice": (("both_y0.toml",), ("solid.y0 = 1 and solid.y0_over_a0 = 10 are not allowed together: one of them is to be given",)),
+    "y0 twice": (
+        ("both_y0.toml",),
+        ("solid.y0 = 1 and solid.y0_over_a0 = 10 are not allowed together: one of them is to be given",),
+    ),
     "points and P": (("points_and_P.toml",), ("load.P", "beside load.points")),
     "bulk strain without friction": (
         by_set("load.bulk_strain=1e-4", "effects.friction=false"),

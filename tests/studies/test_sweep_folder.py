@@ -1,6 +1,7 @@
 """The folder of a sweep: nothing in it is replaced silently, and the table belongs to the folders of the runs."""
 
 import json
+import shutil
 
 import pytest
 from coarse_sweep import arguments, rows_of
@@ -47,6 +48,18 @@ def test_a_larger_sweep_goes_on(swept, monkeypatch):
     monkeypatch.setattr(sweeping, "run_scene", lambda values: solved.append(values["set"][-1]) or run_scene(values))
     run(swept, "0.2,0.25,0.3", "--folders")
     assert solved == ["load.mu=0.3"] and friction_of(swept) == [0.2, 0.25, 0.3]
+
+
+def test_a_run_whose_folder_is_gone_is_run_again(tmp_path):
+    run(tmp_path, "0.2,0.25", "--folders")
+    before = rows_of(tmp_path)
+    shutil.rmtree(tmp_path / "run-0002")
+    (tmp_path / "run-0001" / "fretting.png").unlink()
+    run(tmp_path, "0.2,0.25", "--folders")
+    assert read_scene(tmp_path / "run-0002").mu == 0.25
+    assert not (tmp_path / "run-0001" / "fretting.png").exists()  # this one is complete without
+    assert [row["load.mu"] for row in rows_of(tmp_path)] == [row["load.mu"] for row in before]
+    assert rows_of(tmp_path)[0] == before[0]
 
 
 def test_what_overwrite_replaces(tmp_path):
