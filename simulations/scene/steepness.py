@@ -8,6 +8,7 @@ from .indenter import shape_of
 from .tables import AnyIndenter, AnyLoad, AnySolid, Formula, Path
 
 SMALL = 0.2  # a parabola is lower than its circle by f'(a)²/4 of itself: here 1 %
+SOLID = {"E0": "Pa", "E_substrate": "Pa", "k": "", "y0": "m", "thickness": "m"}  # keys with units
 STEEP = 1.0  # 45 degrees; a cylinder has a = R
 
 
@@ -35,7 +36,9 @@ def edge_slope(a: float, indenter: AnyIndenter) -> float:
 def look_at(solid: AnySolid, indenter: AnyIndenter, load: AnyLoad) -> str:
     """The keys that make a contact wide, with value and unit: what to look at where it is too wide."""
     P = f"load.points, P up to {load.P:g} N/m" if isinstance(load, Path) else f"load.P = {load.P:g} N/m"
-    return f"look at solid.E0 = {solid.E0:g} Pa, {P}, {_size(indenter)}"
+    given = [(f"solid.{name}", getattr(solid, name, None), unit) for name, unit in SOLID.items()]
+    keys = [f"{key} = {value:.3g} {unit}".rstrip() for key, value, unit in given if value is not None]
+    return f"look at {', '.join(keys)}, {P}, {_size(indenter)}"
 
 
 def _where(a: float, indenter: AnyIndenter) -> str:

@@ -62,7 +62,7 @@ def test_the_slope_is_that_of_the_indenter_where_contact_ends(keys):
 @pytest.mark.parametrize("profile", ["parabola", "circle"])
 def test_no_contact_is_wider_than_its_cylinder(profile):
     keys = (f"indenter.profile={profile}", "solid.nu=0.3")
-    with pytest.raises(SceneError, match="look at solid.E0 = 210 Pa, load.P = 1e.06 N/m, indenter.R = 0.1 m"):
+    with pytest.raises(SceneError, match="look at solid.E0 = 210 Pa, .* load.P = 1e.06 N/m, indenter.R = 0.1 m"):
         parse(DEFAULT_SCENE, (*keys, "solid.E0=210"))
     assert parse(DEFAULT_SCENE, (*keys, "solid.E0=210e6")).half_width < 0.1
 

@@ -165,7 +165,7 @@ REFUSED: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     ),
     "modulus in GPa": (
         by_set("solid.E0=210"),
-        ("a = 33 m on indenter.R = 0.1 m", "look at solid.E0 = 210 Pa, load.P = 1e+06 N/m, indenter.R = 0.1 m"),
+        ("a = 33 m on indenter.R = 0.1 m", "look at solid.E0 = 210 Pa, solid.k = 0.3, solid.y0 = 222 m, load.P = "),
     ),
     "radius of no size": (
         by_set("indenter.R=1e-7", "indenter.profile=power", "indenter.exponent=4"),
