@@ -181,9 +181,10 @@ def _rough_edges(scene, scaled, effects, loads):
 
 
 def several(edges) -> tuple[float, ...]:
-    """Their distances from the middle, each once."""
+    """Their distances from the middle, each once: the widest, which the surface must reach over, and the first of them."""
     edges = np.abs(edges)
-    return distinct(edges[np.isfinite(edges)], APART)[:MOST]
+    edges = edges[np.isfinite(edges)]
+    return distinct([edges.max(), *edges], APART)[:MOST]
 
 
 def distinct(values, apart: float) -> tuple[float, ...]:

@@ -14,7 +14,7 @@ from simulations.runs.plan import Plan
 from simulations.runs.simulation import Simulation
 from simulations.runs.step_free import StepFree
 from simulations.runs.timing import Stopwatch
-from simulations.scene import DEFAULT_SCENE, parse
+from simulations.scene import DEFAULT_SCENE, make_scene, parse
 
 
 def plan(*settings) -> Plan:
@@ -85,3 +85,21 @@ def test_facets_beside_many_stops_are_the_least_of_all_their_cones():
     x = random.uniform(-2, 2, 300)
     each = [Grading((1.0,), sweeps=(stop,)).facet_size(x) for stop in stops]
     assert Grading((1.0,), sweeps=stops).facet_size(x) == pytest.approx(np.min(each, axis=0), rel=1e-12)
+
+
+@pytest.mark.parametrize("coupling", [False, True])
+def test_a_path_of_many_load_steps_has_its_widest_contact_on_the_mesh(coupling):
+    """It was early on the path: of more edges than the mesh has places for, the last ones are kept."""
+    scene = {
+        "solid.E0": 210e9,
+        "solid.nu": 0.3,
+        "solid.k": 0.3,
+        "solid.y0_over_a0": 10.0,
+        "indenter.R": 0.1,
+        "load.mu": 0.3,
+        "load.points": [[1e6, 0.0], [1e6, 1e5], [5e5, 1e5], [1e6, 0.0], [0.3e6, -5e4]],
+        "solver.increments": 24,
+        "effects.coupling": coupling,
+    }
+    cells = Plan(make_scene(scene, base=None), Stopwatch()).grading()
+    assert max(cells.edges) > 0.99
