@@ -88,12 +88,13 @@ def page(folder: Path) -> str:
 
 
 def _verdict(summary):
+    warnings = "".join(f"<p class='bad'>Warning: {html.escape(words)}</p>" for words in summary.get("warnings", ()))
     if not summary["converged"]:
-        return f"<p class='bad'>Did not reach its end: {html.escape(str(summary['failure']))}</p>"
+        return f"<p class='bad'>Did not reach its end: {html.escape(str(summary['failure']))}</p>{warnings}"
     steps = f"All load steps converged ({summary['increments']})"
     if summary["checks_hold"]:
-        return f"<p>{steps}, and all checks of the result hold.</p>"
-    return f"<p class='bad'>{steps}, but checks of the result fail (see below).</p>"
+        return f"<p>{steps}, and all checks of the result hold.</p>{warnings}"
+    return f"<p class='bad'>{steps}, but checks of the result fail (see below).</p>{warnings}"
 
 
 def _found(summary):

@@ -87,6 +87,13 @@ def test_a_check_that_fails_is_said(folder):
     assert "checks of the result fail" in text and "2.0e-02 1.0e-03 fails" in text
 
 
+def test_a_warning_is_said(folder):
+    summary = summary_of(folder) | {"warnings": ["the stick zone < 5 facets"]}
+    (folder / "summary.json").write_text(json.dumps(summary))
+    without_pictures(folder)
+    assert "Warning: the stick zone < 5 facets" in Page(report.page(folder)).text
+
+
 def test_the_density_of_the_energy_is_drawn_where_the_run_has_it(folder):
     with (folder / "history.csv").open() as file:
         rows = list(csv.DictReader(file))

@@ -72,6 +72,7 @@ def test_checks_hold_and_see_what_is_wrong(loop):
     found = checks.check(history, height)
     surface.traction[:] = saved[1]
     assert not found["slip against q"].holds
+    assert f"in load step {len(history.entries)}:" in checks.describe(found)
 
 
 def test_user_sees_checks_and_changing_states(tmp_path):
