@@ -21,7 +21,7 @@ from .scene import DEFAULT_SCENE, Scene, make_scene
 class Result:
     """What a run found, SI units. s states, n surface nodes.
 
-    Fields are those of every increment in order; ``simulation`` has the rest, in scaled units.
+    Fields are those of every load step in order; ``simulation`` has the rest, in scaled units.
     """
 
     simulation: Simulation
@@ -69,12 +69,12 @@ class Result:
     @cached_property
     def P(self) -> np.ndarray:
         """(s,) normal line load, N/m."""
-        return self._stack(lambda entry: entry.increment.P, self.simulation.scaled.scales.line_load)
+        return self._stack(lambda entry: entry.step.P, self.simulation.scaled.scales.line_load)
 
     @cached_property
     def Q(self) -> np.ndarray:
         """(s,) tangential line load, N/m."""
-        return self._stack(lambda entry: entry.increment.Q, self.simulation.scaled.scales.line_load)
+        return self._stack(lambda entry: entry.step.Q, self.simulation.scaled.scales.line_load)
 
     @cached_property
     def delta(self) -> np.ndarray:

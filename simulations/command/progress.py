@@ -1,4 +1,4 @@
-"""Progress lines of a run: each phase and its seconds, a line an increment with the time left; on a terminal one
+"""Progress lines of a run: each phase and its seconds, a line a load step with the time left; on a terminal one
 line, written over.
 """
 
@@ -45,7 +45,7 @@ class Progress:
             say(f"{PHASES[name]} ... " if seconds is None else duration(seconds), end="" if seconds is None else "\n")
 
     def step(self, entry):
-        """The increment just done."""
+        """The load step just done."""
         done = len(self.simulation.history.entries)
         line = f"{done:4d}/{self.total}  {describe(entry, self.simulation)}"
         each = (time.perf_counter() - self._start) / (done - self._first)
@@ -53,12 +53,12 @@ class Progress:
         if not self._live:
             self.say(line)
             return
-        stays = bool(entry.increment.state) or done == self.total
+        stays = bool(entry.step.state) or done == self.total
         width = shutil.get_terminal_size().columns - 1
         say(f"\r\x1b[K{line if stays else line[:width]}", end="\n" if stays else "")
 
     def reference(self, done: int, total: int):
-        """An increment of the reference is done: said when the reference takes long."""
+        """A load step of the reference is done: said when the reference takes long."""
         now = time.perf_counter()
         if done == 1:
             self._reference_start = self._said = now
@@ -79,12 +79,12 @@ def duration(seconds: float) -> str:
 
 
 def describe(entry, simulation: Simulation) -> str:
-    """One increment: its load, contact or stick, and what it took."""
-    increment = entry.increment
-    load = f"P = {increment.P:.3f} P_max   a = {entry.a * simulation.scaled.scales.length:.4g} m"
-    if increment.branch != "normal":
-        share = f"Q/(mu P) = {increment.Q / (simulation.mu * increment.P):+.3f}   c/a = {entry.c / entry.a:.4f}"
-        load = share if simulation.scene.is_loop else f"P = {increment.P:.3f} P_max   {share}"
+    """One load step: its load, contact or stick, and what it took."""
+    step = entry.step
+    load = f"P = {step.P:.3f} P_max   a = {entry.a * simulation.scaled.scales.length:.4g} m"
+    if step.branch != "normal":
+        share = f"Q/(mu P) = {step.Q / (simulation.mu * step.P):+.3f}   c/a = {entry.c / entry.a:.4f}"
+        load = share if simulation.scene.is_loop else f"P = {step.P:.3f} P_max   {share}"
     trouble = f", {entry.cuts} cuts" if entry.cuts else ""
     trouble += f", anchors unsettled by {entry.unsettled:.1%}" if entry.unsettled else ""
-    return f"{increment.branch:9s} {load}   {entry.iterations} iterations{trouble}, {entry.seconds:.2f} s"
+    return f"{step.branch:9s} {load}   {entry.iterations} iterations{trouble}, {entry.seconds:.2f} s"

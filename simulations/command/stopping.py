@@ -1,6 +1,6 @@
 """End of a command by a signal: at once, with one line that says how to go on, and an exit code of its own.
 
-States are kept after every increment, each file whole or not at all, so that nothing is lost by ending anywhere. No
+States are kept after every load step, each file whole or not at all, so that nothing is lost by ending anywhere. No
 exception is raised for it: libraries in the middle of their work lose or misreport those. The handler, or a thread
 where the main one is busy in a library, writes what there is and ends the process. Where even that is not possible
 (SIGKILL, a library that does not let go before mpirun kills), a second process, the ``_Herald``, sees the end of this

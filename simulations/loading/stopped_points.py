@@ -56,7 +56,7 @@ def anchors_of_stopped(x, before: Surface, after: Surface, side: int, touch, sta
     slides_back = leading(states[first:still][::-1] == 2 * CLOSED - states[-1]) > CUT
     if slides_back and abs(x[outwards[still]] - x[outer]) < moved:  # what slid soon slides the other way
         band, positions = joined(still)
-        share = 1.0 - np.abs(x[outwards[first:still]] - x[band[0]]) / moved  # the band passed those where it is positive
+        share = 1.0 - np.abs(x[outwards[first:still]] - x[band[0]]) / moved  # > 0 where the band passed
         back, share = outwards[first:still][share > 0], share[share > 0]
         positions = np.append(touch[back] + share * (positions[0] - touch[band[0]]), positions)
         return np.append(back, band), positions, start

@@ -1,7 +1,7 @@
-"""Checkpoint of a run: the states so far and the memory that the next increment needs, for going on after a kill.
+"""Checkpoint of a run: the states so far and the memory that the next load step needs, for going on after a kill.
 
-Two files in ``checkpoint/``. ``states.bin`` has a record of fixed size for every increment, each written once at its
-own place; ``memory.npz`` is replaced whole after every increment and says how many records count, with the checksum of
+Two files in ``checkpoint/``. ``states.bin`` has a record of fixed size for every load step, each written once at its
+own place; ``memory.npz`` is replaced whole after every load step and says how many records count, with the checksum of
 each. Whatever was half written when the run ended is overwritten by the run that goes on.
 """
 
@@ -38,7 +38,7 @@ SCALARS = ("iterations", "cuts", "unsettled", "residual", "imbalance", "seconds"
 
 
 def record(n: int) -> np.dtype:
-    """One increment: a SurfaceState of n nodes and what it took."""
+    """One load step: a SurfaceState of n nodes and what it took."""
     fields: list[tuple] = [("pressure", "f8", n), ("traction", "f8", n), ("u", "f8", (2, n)), ("delta", "f8", 2)]
     fields += [("neglected", "f8", n), ("elastic", "f8")]
     return np.dtype(fields + [(name, "f8") for name in SCALARS])
@@ -175,11 +175,11 @@ def restore(saved: Saved, simulation: Simulation):
     if saved.states is None or saved.memory is None or saved.seconds is None:
         return
     sampler, solver, done = simulation.sampler, simulation.solver, simulation.schedule[: saved.increments]
-    for increment, row, changes in zip(done, saved.states, saved.changes, strict=True):
+    for step, row, changes in zip(done, saved.states, saved.changes, strict=True):
         surface = SurfaceState(sampler.x, sampler.weight, **{name: row[name].copy() for name in SURFACE})
         numbers = int(row["iterations"]), float(row["residual"]), float(row["imbalance"])
         result = NewtonResult(True, *numbers, "", float(row["tolerance"]), changes)
-        outcome = Outcome(increment, (result,), int(row["cuts"]), float(row["unsettled"]))
+        outcome = Outcome(step, (result,), int(row["cuts"]), float(row["unsettled"]))
         simulation.history.append(outcome, surface, float(row["seconds"]))
     solver.skip(done)
     memory.restore(saved.memory, solver, simulation.numbering)
@@ -207,7 +207,7 @@ def _summary(folder) -> dict:
 
 
 def _row(entry: Entry) -> bytes:
-    """The record of an increment."""
+    """The record of a load step."""
     row = np.zeros((), record(entry.surface.x.size))
     for name in SURFACE:
         row[name] = getattr(entry.surface, name)

@@ -83,20 +83,20 @@ def write_table(path: Path, rows: list[dict], left_out: tuple[str, ...] = ()):
 
 
 def write_history(path: Path, history: History, scales: Scales, times: np.ndarray):
-    """history.csv, a row an increment; times: load parameters (s,)."""
+    """history.csv, a row a load step; times: load parameters (s,)."""
     write_table(path, [_row(e, t, scales, history.friction) for e, t in zip([*history.entries], times)])
 
 
 def _loads(entry: Entry, scales: Scales) -> dict[str, float]:
     """Line loads [N/m] by name: as prescribed, and as pressure and traction carry them."""
-    prescribed, carried = (entry.increment.P, entry.increment.Q), entry.carried
+    prescribed, carried = (entry.step.P, entry.step.Q), entry.carried
     pairs = zip(("P_prescribed", "Q_prescribed", "P_carried", "Q_carried"), (*prescribed, *carried), strict=True)
     return {name: load * scales.line_load for name, load in pairs}
 
 
 def _row(entry: Entry, time: float, scales: Scales, friction: bool) -> dict:
     """One row by column name; without friction the columns of the tangential problem are absent."""
-    increment, length = entry.increment, scales.length
+    step, length = entry.step, scales.length
     delta_x, delta_y = entry.surface.delta * scales.displacement
     loads = {f"{name}[N/m]": load for name, load in _loads(entry, scales).items()}
     normal = {
@@ -118,7 +118,7 @@ def _row(entry: Entry, time: float, scales: Scales, friction: bool) -> dict:
     }
     quantities = normal | (tangential if friction else {})
     return (
-        {"increment": entry.number, "branch": increment.branch, "cycle": increment.cycle, "state": increment.state}
+        {"increment": entry.number, "branch": step.branch, "cycle": step.cycle, "state": step.state}
         | {name: f"{value:.12g}" for name, value in quantities.items()}
         | {"iterations": entry.iterations, "cuts": entry.cuts, "unsettled": f"{entry.unsettled:.2e}"}
         | {"states_changed": " ".join(map(str, entry.changes))}  # iteration by iteration
@@ -163,7 +163,7 @@ def write_surface(path: Path, history: History, scales: Scales, times: np.ndarra
             if name in data:
                 file[name] = data[name]
                 file[name].attrs["unit"], file[name].attrs["meaning"] = unit, meaning
-        file["branch"], file["state"] = [e.increment.branch for e in entries], [e.increment.state for e in entries]
+        file["branch"], file["state"] = [e.step.branch for e in entries], [e.step.state for e in entries]
 
 
 def write_summary(path: Path, summary: dict):

@@ -52,7 +52,7 @@ def plot_run(path: Path, title: str, simulation: Simulation, lines: dict[str, Re
 
 def _named(history: History) -> list[Entry]:
     """The last state of each name, in the order in which the names first come."""
-    return [*{e.increment.state: e for e in history.entries if e.increment.state}.values()]
+    return [*{e.step.state: e for e in history.entries if e.step.state}.values()]
 
 
 def _states(history: History) -> list[Entry]:
@@ -152,10 +152,10 @@ def _work(axis, simulation, lines):
 def _loop(axis, beside, simulation, lines):
     """The friction loop, and how far each point is from the straight line between its ends: the hysteresis."""
     history, mu, unit = simulation.history, simulation.mu, _slip_unit(simulation)
-    start = [e for e in history.entries if e.increment.branch == "normal"][-1]
-    states = [start, *(e for e in history.entries if e.increment.branch != "normal")]
+    start = [e for e in history.entries if e.step.branch == "normal"][-1]
+    states = [start, *(e for e in history.entries if e.step.branch != "normal")]
     shift = np.array([e.surface.delta[0] - start.surface.delta[0] for e in states]) / unit
-    Q = np.array([e.increment.Q for e in states]) / mu
+    Q = np.array([e.step.Q for e in states]) / mu
     low, high = np.argmin(Q), len(Q) - 1 - np.argmax(Q[::-1])
     slope = (shift[high] - shift[low]) / (Q[high] - Q[low]) if Q[high] > Q[low] else 0.0
 
@@ -187,10 +187,12 @@ def _closed_loop(axis, beside, loop, unit, style, is_cycle):
 def _legend(figure, simulation, lines):
     """One for all panels, below them."""
     history, mu, handles = simulation.history, simulation.mu, []
+    varies = min(entry.step.P for entry in _states(history)) < CONSTANT
     if history.friction:
         for entry, colour, marker in zip(_states(history), COLOURS, MARKERS):
-            step = entry.increment
-            label = rf"{step.state}: $Q = {step.Q / mu:+.2f}\,\mu P$"
+            step = entry.step
+            normal = rf"${step.P:.2f}\,P$, " if varies else ""
+            label = rf"{step.state}: {normal}$Q = {step.Q / mu:+.2f}\,\mu P$"
             handles.append(plt.Line2D([], [], marker=marker, ms=4, ls="none", color=colour, label=label))
     handles += [plt.Line2D([], [], marker="o", ms=4, ls="none", color=GREY, label="finite elements")]
     handles += [plt.Line2D([], [], ls=s, color=GREY, lw=1, label=label) for label, s in zip(lines, STYLES)]
@@ -199,7 +201,6 @@ def _legend(figure, simulation, lines):
     note = ""
     if history.friction:
         shown = left_out(len(_states(history)), len(_named(history)))
-        varies = min(entry.increment.P for entry in _states(history)) < CONSTANT
         loads = "$P$: the largest normal load;  $a$: contact half-width under it, without friction" if varies else ""
         symbols = r"$f(a)$: height of the indenter at $x = a$;  $\alpha$: equation (37)"
         note = ";  ".join(filter(None, (loads, symbols, shown)))

@@ -46,7 +46,7 @@ def check(
     cause: tells why tractions zigzag; it is asked only where they do.
     """
     entries = history.entries
-    with_gap = [entry for entry in entries if coupled or entry.increment.branch == "normal"]
+    with_gap = [entry for entry in entries if coupled or entry.step.branch == "normal"]
     tolerance = max(entry.tolerance for entry in entries)
     worst = {name: max(measure(entry.surface, entry) for entry in entries) for name, measure in MEASURES.items()}
     checks = {
@@ -110,9 +110,9 @@ def describe(checks: dict[str, Check]) -> str:
 
 def imbalance(surface: SurfaceState, entry: Entry) -> float:
     """Largest difference of the integrated tractions from the loads, over P."""
-    increment = entry.increment
+    step = entry.step
     P, Q = surface.line_load(surface.pressure), surface.line_load(surface.traction)
-    return max(abs(P - increment.P), abs(Q - increment.Q)) / increment.P
+    return max(abs(P - step.P), abs(Q - step.Q)) / step.P
 
 
 def tension(surface: SurfaceState, entry: Entry) -> float:
@@ -170,7 +170,7 @@ def zigzags(values, scale: float = 0.0) -> float:
 
 def drift(history: History) -> float:
     """Largest change of p and q from the end of one cycle to that of the next, over the largest p."""
-    ends = [e for e in history.entries if e.increment.state == "A" and e.increment.cycle > 0]
+    ends = [e for e in history.entries if e.step.state == "A" and e.step.cycle > 0]
     changes = [
         max(
             np.abs(b.surface.pressure - a.surface.pressure).max(), np.abs(b.surface.traction - a.surface.traction).max()
@@ -181,7 +181,7 @@ def drift(history: History) -> float:
 
 
 def still_changing(history: History) -> int:
-    """Points whose contact state changed in the last iteration of an increment, the most of all increments."""
+    """Points whose contact state changed in the last iteration of a load step, the most of all load steps."""
     return max((entry.changes[-1] for entry in history.entries if entry.changes), default=0)
 
 
@@ -194,8 +194,8 @@ UNKNOWN = "the reference's own error is {:.0%}, which is too much to judge by; m
 OPEN = 1e-3  # an open point is held by its traction, which is not quite zero
 WRONG_SLIP = 1e-4  # of loops measured below 1e-6
 AGAINST = (
-    "slip goes against q most in load step {}: where points stop within a load step may be known too badly there; another "
-    "number of solver.increments changes that"
+    "slip goes against q most in load step {}: where points stop within a load step may be known too badly there; "
+    "another number of solver.increments changes that"
 )
 SMALL = 1e-3  # motion over the largest below which a load step moves nothing
 ZIGZAGS = 0.05  # of the range; loops at k = 0.3 have less than 0.003, the coupled one at k = -0.5 on coarse facets 0.04

@@ -51,7 +51,7 @@ def compare_state(entry: Entry, reference: Reference, own: dict[str, float] | No
     surface = entry.surface
     x, weight = surface.x, surface.weight
     deviation = {"pressure_l2": relative_l2(weight, surface.pressure, reference.pressure(entry, x))}
-    if entry.increment.branch != "normal":
+    if entry.step.branch != "normal":
         left, right = reference.contact(entry)
         under = weight * ((x >= left) & (x <= right))
         deviation["traction_l2"] = relative_l2(weight, surface.traction, reference.traction(entry, x))
@@ -78,7 +78,7 @@ def compare(history: History, reference: Reference) -> dict[str, float]:
     last = history.entries[-1]
     left, right = reference.contact(last)
     deviation = compare_state(last, reference) | {"a": last.a / ((right - left) / 2) - 1}
-    if last.increment.branch != "normal":
+    if last.step.branch != "normal":
         deviation["c"] = last.c / reference.stick_half_width(last) - 1
         energy = reference.dissipated_energy()
         if energy:

@@ -1,7 +1,7 @@
-"""The energy balance of a run, increment by increment, from the fields themselves.
+"""The energy balance of a run, load step by load step, from the fields themselves.
 
 With means of the forces before and after (the trapezoidal rule) this holds exactly for the discrete solution, in every
-increment and however large it is, because the stiffness is symmetric and the loads balance:
+load step and however large it is, because the stiffness is symmetric and the loads balance:
 
     work of the indenter + work on the outer boundary + work of the bulk strain - change of u.K u/2
         = work of the contact tractions through the motion between surface and indenter.
@@ -25,7 +25,7 @@ from .history import Entry
 
 @dataclass(frozen=True)
 class EnergyStep:
-    """Energies of one increment, in P²/E(a)."""
+    """Energies of one load step, in P²/E(a)."""
 
     indenter: float  # Q Δδx + P Δδy
     boundary: float  # work on the outer boundary, whose prescribed displacement follows the loads
@@ -46,7 +46,7 @@ class EnergyStep:
 
 
 class EnergyMeter:
-    """Reads the body after every increment; ``steps`` has one EnergyStep for each but the first.
+    """Reads the body after every load step; ``steps`` has one EnergyStep for each but the first.
 
     Every rank calls ``read`` with the entry whose fields are on the body.
     """
@@ -58,8 +58,8 @@ class EnergyMeter:
         self._before = None
 
     def read(self, entry: Entry):
-        """Add the increment that ended with ``entry``."""
-        body, surface, load = self.body, entry.surface, entry.increment
+        """Add the load step that ended with ``entry``."""
+        body, surface, load = self.body, entry.surface, entry.step
         body.complete()
         u = body.state.x.petsc_vec.array_r.copy()
         force = body.symmetry_factor * self._forces.of(u)
@@ -132,7 +132,7 @@ class _InnerForces:
 
 
 def worst_defect(steps: list[EnergyStep], floor: float = 0.0) -> float:
-    """Largest defect of an increment over the largest turnover of one; 0 without increments.
+    """Largest defect of a load step over the largest turnover of one; 0 without load steps.
 
     floor: turnover below which round-off, whose scale is P²/E(a) and not the turnover, is all that a defect shows.
     """

@@ -27,7 +27,7 @@ ON_THE_WAY = 0.07, 0.15  # error of p on the contact's way, k >= 0 and k < 0, ov
 LONGEST = 300  # facets on either side of the contact's way: its length is half the contact's where mu is above 1
 STOP = 2.0, 4.0  # error of q that a stop may cost (limits.expected_error) over facet², for k >= 0 and k < 0
 TURNED = 2.0  # where slip has turned, q changes by 2 mu p
-FIRST = 3  # facets, either side, in the contact of the first increment with friction
+FIRST = 3  # facets, either side, in the contact of the first load step with friction
 
 
 def half_plane_solver(scene: Scene, scaled: Scaled, effects: Effects, nodes: int) -> HalfPlaneContact:
@@ -47,7 +47,7 @@ def half_plane_solver(scene: Scene, scaled: Scaled, effects: Effects, nodes: int
 class ExpectedEdges:
     """Places x > 0 where edges turn round, and ways (from, to) of the contact's and of the stick's between them.
 
-    What is at x is at -x too. first: half-width of contact after the first increment, if friction acts in it; stops:
+    What is at x is at -x too. first: half-width of contact after the first load step, if friction acts in it; stops:
     where an edge of stick or contact is after a load step, and the size of q there (Stop); exact: none is an estimate;
     fineness: ``facet`` over the facets on the way of the edges of stick, if more than 1; early: about where it stops
     first, where these are not known.
@@ -181,7 +181,7 @@ def _rough_edges(scene, scaled, effects, loads):
 
 
 def several(edges) -> tuple[float, ...]:
-    """Their distances from the middle, each once: the widest, which the surface must reach over, and the first of them."""
+    """Their distances from the middle, each once: the widest, to which contact reaches, and the first of the others."""
     edges = np.abs(edges)
     edges = edges[np.isfinite(edges)]
     return distinct([edges.max(), *edges], APART)[:MOST]

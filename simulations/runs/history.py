@@ -1,4 +1,4 @@
-"""The record of a run: one entry an increment, with everything that files, plots and errors are made from."""
+"""The record of a run: one entry a load step, with everything that files, plots and errors are made from."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -15,9 +15,9 @@ SEPARATED, STICK, SLIP = 0, 1, 2  # contact states in files
 
 @dataclass(frozen=True)
 class Entry:
-    """State at the end of an increment (dimensionless) and what it took."""
+    """State at the end of a load step (dimensionless) and what it took."""
 
-    increment: LoadStep
+    step: LoadStep
     surface: SurfaceState
     slip: np.ndarray  # (n,) u_x - delta_x since tangential loading began
     contact: tuple[float, float]  # edges of the contact
@@ -73,19 +73,19 @@ class History:
 
     def append(self, outcome: Outcome, surface: SurfaceState, seconds: float) -> Entry:
         """Add the state that ``outcome`` ended with."""
-        increment, s = outcome.step, surface.relative_displacement
-        friction = increment.direction * self.mu
+        step, s = outcome.step, surface.relative_displacement
+        friction = step.direction * self.mu
         x_l, c_l, c_r, x_r = self.exponents(friction) if self.exponents else 4 * ((1 + self.k) / 2,)
         contact = fitted_contact_edges(surface, (x_l, x_r))
         stick, work = contact, np.zeros_like(s)
         if self.friction and np.any(surface.traction):
-            stick = fitted_stick_edges(surface, self.mu, increment.direction, (c_l, c_r))
+            stick = fitted_stick_edges(surface, self.mu, step.direction, (c_l, c_r))
         if self.friction:
-            work = self._work(increment, Moment(surface, contact))
-        if increment.branch == "normal":
+            work = self._work(step, Moment(surface, contact))
+        if step.branch == "normal":
             self._rest = s
         entry = Entry(
-            increment=increment,
+            step=step,
             surface=surface,
             slip=s - self._rest,
             contact=contact,
@@ -107,7 +107,7 @@ class History:
 
     def _work(self, step: LoadStep, after: Moment) -> np.ndarray:
         """Frictional work (n,) since the start."""
-        loads = [0.0, *(entry.increment.P for entry in self.entries), step.P]
+        loads = [0.0, *(entry.step.P for entry in self.entries), step.P]
         if self.m and step.branch == "normal" and all(a < b for a, b in zip(loads, loads[1:])):
             return work_of_pressing(after, self.mu, self.k, self.m)
         if not self.entries:
@@ -124,13 +124,13 @@ class History:
     @property
     def has_cycle(self) -> bool:
         """True once a full cycle is done."""
-        return self.entries[-1].increment.cycle > 0
+        return self.entries[-1].step.cycle > 0
 
     @property
     def last_cycle(self) -> list[Entry]:
         """Entries of the last full cycle, without the one it starts from."""
-        cycle = self.entries[-1].increment.cycle
-        return [entry for entry in self.entries if entry.increment.cycle == cycle]
+        cycle = self.entries[-1].step.cycle
+        return [entry for entry in self.entries if entry.step.cycle == cycle]
 
     def contact_states(self, entry: Entry) -> np.ndarray:
         """SEPARATED, STICK or SLIP at each node (n,). Without friction what is in contact counts as STICK."""
@@ -162,4 +162,4 @@ def all_states(history: History) -> list[Entry]:
     """Entries of the last cycle; where there is none those with a tangential load; without friction all."""
     if history.has_cycle:
         return history.last_cycle
-    return [e for e in history.entries if e.increment.branch != "normal" or not history.friction] or history.entries
+    return [e for e in history.entries if e.step.branch != "normal" or not history.friction] or history.entries

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def save(solver: LoadStepping, numbering: Numbering) -> dict[str, np.ndarray] | None:
-    """Everything that the next increment depends on, by name, on rank 0; None on the others."""
+    """Everything that the next load step depends on, by name, on rank 0; None on the others."""
     body, problem = solver.body, solver.problem
     memory = {"delta": body.delta.value.copy(), "forces": solver.system.last_forces()}
     memory |= solver.save()

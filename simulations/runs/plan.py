@@ -48,7 +48,7 @@ class Plan:
         """What the mesh of a scene depends on: equal for scenes whose meshes are; None where that is not known."""
         if self.scene.indenter.profile != "parabola":
             return None
-        loads = tuple(increment.load for increment in self.schedule)
+        loads = tuple(step.load for step in self.schedule)
         on = tuple(name for name, verdict in self.effects.verdicts.items() if verdict.on)
         return loads, self.mu, on, tuple(self.scene.cell_sizes.items()), self.scene.mesh.edges
 
@@ -76,15 +76,15 @@ class Plan:
 
     def _edges(self) -> ExpectedEdges:
         """Where contact and stick zone are expected to end."""
-        scene, loads = self.scene, [increment.load for increment in self.schedule]
+        scene, loads = self.scene, [step.load for step in self.schedule]
         if "bulk strain" in self.effects:
             if self.stretched and self.effects.has_closed_form:
                 return exact_edges(self.stretched, loads)
-            loads = [increment.load for increment in self._loop(min(scene.cycles, 1), ROUGH_QUARTER)]
+            loads = [step.load for step in self._loop(min(scene.cycles, 1), ROUGH_QUARTER)]
             return rough_edges(scene, self.scaled, self.effects, loads)
         found = None
         if grades(scene, self.effects):
-            first_cycle = [increment.load for increment in self.schedule if increment.cycle <= 1]
+            first_cycle = [step.load for step in self.schedule if step.cycle <= 1]
             found = loop_edges(scene, self.scaled, self.mu, first_cycle)
         return found or expected_edges(scene, self.scaled, self.loop, self.effects, loads)
 

@@ -18,7 +18,7 @@ from .step_free import StepFree
 from .stretched import StretchedForm
 
 HALVINGS = 3  # of the load steps of a mesh-free solution that is known too badly to judge a run
-ROUGH_TIMES, ROUGH_INCREMENTS = 20.0, 20  # of an increment over one of the rough edges' of a loop, which makes so many
+ROUGH_TIMES, ROUGH_INCREMENTS = 20.0, 20  # of a load step over one of the rough edges' of a loop, which makes so many
 
 
 def closed_form(simulation: Simulation) -> Springs | StretchedForm | None:

@@ -45,7 +45,7 @@ STUCK_TERMS = 8  # of the exact contact pressed on with friction: 1e-5 of the di
 class Simulation(Meshed):
     """A scene on a communicator, ready to run.
 
-    ``history`` grows by one entry an increment while ``run`` is iterated; ``body`` then carries that entry's fields.
+    ``history`` grows by one entry a load step while ``run`` is iterated; ``body`` then carries that entry's fields.
     """
 
     def __init__(
@@ -149,7 +149,7 @@ class Simulation(Meshed):
             self._compliance = other._compliance
 
     def run(self) -> Iterator[Entry]:
-        """Solve increment after increment, from where the history ends; SolveError where one fails."""
+        """Solve load step after load step, from where the history ends; SolveError where one fails."""
         outcomes = self.solver.run(self.schedule, len(self.history.entries))
         while True:
             try:
@@ -223,7 +223,7 @@ def _stuck(pressing: PressingWithFriction):
 
 
 def failure_in_si(simulation: Simulation, reason) -> str:
-    """Why the next increment failed, with its loads in SI units and the keys of the scene that they come from."""
+    """Why the next load step failed, with its loads in SI units and the keys of the scene that they come from."""
     scene, unit, number = simulation.scene, simulation.scaled.scales.line_load, len(simulation.history.entries)
     step = simulation.schedule[number]
     P, Q, _ = getattr(reason, "after", None) or step.load

@@ -25,12 +25,12 @@ class StretchedForm:
 
     def traction(self, entry: Entry, x: np.ndarray) -> np.ndarray:
         """q, [X7]; 0 before Q has moved."""
-        step = entry.increment
+        step = entry.step
         return self._loop.traction(x, step.Q, step.branch) if step.direction else np.zeros_like(x)
 
     def slip(self, entry: Entry, x: np.ndarray) -> np.ndarray:
         """u_x - delta_x, the negative of the slip in [X7]."""
-        step = entry.increment
+        step = entry.step
         return -self._loop.slip(x, step.Q, step.branch) if step.direction else np.zeros_like(x)
 
     def contact(self, entry: Entry) -> tuple[float, float]:
@@ -40,7 +40,7 @@ class StretchedForm:
 
     def stick_half_width(self, entry: Entry) -> float:
         """Half-width of what has stuck since the last turn of Q."""
-        step = entry.increment
+        step = entry.step
         return float(self._loop.zone(step.Q, step.branch)[1]) if step.direction else self._loop.loop.a
 
     def dissipated_energy(self) -> float:

@@ -117,7 +117,7 @@ def judged(simulation: Simulation, reference: Reference, coarse: Reference, fine
     for entry in all_states(simulation.history):
         stated, true = compare_state(entry, reference), compare_state(entry, fine)
         doubt = apart(entry, coarse, fine)
-        load = {"P": entry.increment.P, "Q_over_muP": entry.increment.Q / simulation.mu / entry.increment.P}
+        load = {"P": entry.step.P, "Q_over_muP": entry.step.Q / simulation.mu / entry.step.P}
         for name in stated:
             found = {"stated": stated[name], "true": true[name], "doubt": doubt[name]}
             if np.isfinite(list(found.values())).all():

@@ -19,7 +19,7 @@ POINTS = 2001  # at which the energy density is summed up
 def schedule(P: float, Q_A: float, quarter: int, cycles: int) -> list[tuple[float, float]]:
     """Loads (P, Q): pressing, first loading to +Q_A, then cycles to -Q_A and back, ``quarter`` steps per Q_A."""
     increments = pressing(P) + rocking(P, Q_A, cycles, quarter)
-    return [(increment.P, increment.Q) for increment in increments]
+    return [(step.P, step.Q) for step in increments]
 
 
 @dataclass(frozen=True)

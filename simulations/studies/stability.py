@@ -34,7 +34,7 @@ from .stability_report import FAILED, FAILING, GREEN, REFUSED, UNJUDGED, WRONG, 
 from .store import Store
 
 CASES = Path(__file__).with_suffix(".toml")
-ENERGY = 1e-6  # of what an increment turns over, or where that is more ...
+ENERGY = 1e-6  # of what a load step turns over, or where that is more ...
 ENERGY_ROUND_OFF = 10.0  # ... this many times Newton's tolerance, of P²/E(a)
 CONSISTENCY = 1e-3  # theta != 0 adds forces that do work through the error of discretisation
 SEED = 20260116  # of the draw

@@ -103,7 +103,7 @@ def _largest(cases, name):
 
 
 def picture(path: Path, rows: list[dict]):
-    """PNG: a row of dots a study, one a case, by how it ended; and the iterations that an increment took."""
+    """PNG: a row of dots a study, one a case, by how it ended; and the iterations that a load step took."""
     studies = by_study(rows)
     height = 0.28 * len(studies) + 1.6
     figure, (left, right) = plt.subplots(

@@ -160,7 +160,7 @@ def test_where_the_edge_of_stick_begins_to_draw_points_go_on_from_where_they_wer
 def test_points_that_stop_between_those_that_slide_out_and_back_lie_on_a_smooth_curve():
     """All slid outwards beyond 0.3; now those up to 0.6 slide back, and those beyond 0.8 slide outwards still.
 
-    Those that the band of stick has passed stopped before they slid back: had they not, some would stick where they were.
+    Those that the band of stick has passed stopped before they slid back: else some would stick where they were.
     """
     curve = X**3 - X
     before, after = touching(0.75, s=curve, stick=0.3), touching(1.0, s=curve, stick=0.8)

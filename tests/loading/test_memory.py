@@ -103,7 +103,7 @@ def test_pressing_with_friction_is_exact_with_two_steps(k, nu, mu):
     solid = {"solid.modulus": "power law", "solid.k": k, "solid.nu": nu, "solid.y0_over_a0": 10.0}
     load = {"load.mu": mu, "load.cycles": 0, "effects.friction_in_normal_stage": True, "solver.normal_increments": 2}
     simulation = run(LOOP | solid | load, 1)
-    last = [entry for entry in simulation.history.entries if entry.increment.branch == "normal"][-1]
+    last = [entry for entry in simulation.history.entries if entry.step.branch == "normal"][-1]
     pressed = last.surface
     exact = PressingWithFriction(simulation.scaled.solid, simulation.scaled.indenter.analytic(), mu, 1.0)
     assert relative_l2(pressed.weight, pressed.pressure, exact.pressure(pressed.x)) < 1e-3
@@ -162,7 +162,7 @@ def test_pressing_with_friction_where_points_in_stick_are_not_known():
     solid = {"solid.modulus": "power law", "solid.k": -0.3, "solid.nu": 0.3, "solid.y0_over_a0": 10.0}
     load = {"load.mu": 1.0, "load.cycles": 0, "effects.friction_in_normal_stage": True, "solver.normal_increments": 2}
     simulation = run(LOOP | solid | load, 1)
-    pressed = [e for e in simulation.history.entries if e.increment.branch == "normal"][-1].surface
+    pressed = [e for e in simulation.history.entries if e.step.branch == "normal"][-1].surface
     exact = PressingWithFriction(simulation.scaled.solid, simulation.scaled.indenter.analytic(), 1.0, 1.0)
     assert relative_l2(pressed.weight, pressed.pressure, exact.pressure(pressed.x)) < 1e-2
     assert relative_l2(pressed.weight, pressed.traction, exact.traction(pressed.x)) < 7e-2
@@ -188,7 +188,7 @@ def zigzags_with_few_steps(k, nu, mu, amplitude, steps, facet) -> bool:
 @pytest.mark.slow
 @pytest.mark.parametrize("loop", FEW.values())
 def test_tractions_do_not_zigzag_where_the_edge_of_contact_has_been(loop):
-    """Points at its old place slide for a moment, those of a curve may stick up to it, a band of stick passes. Were 20 %."""
+    """Points at its old place slide for a moment, those of a curve may stick up to it, a band of stick may pass."""
     assert not zigzags_with_few_steps(*loop)
 
 

@@ -28,7 +28,7 @@ def history(folder):
 
 
 def assert_same(folder, expected):
-    """Every number of every increment, and every file, as in the run that was not stopped."""
+    """Every number of every load step, and every file, as in the run that was not stopped."""
     mine, theirs = surface(folder), surface(expected)
     for name in QUANTITIES:
         if name in theirs:

@@ -170,8 +170,8 @@ def test_states_of_the_surface(of, names, said, energy, monkeypatch, request):
 def test_states_of_the_picture(names, shown, said):
     """Likewise in fretting.png; of a name that comes twice the last state."""
     steps = [SimpleNamespace(state=name, Q=0.1 * i, P=1.0) for i, name in enumerate(names)]
-    history = SimpleNamespace(entries=[SimpleNamespace(increment=step) for step in steps], friction=True)
-    assert [entry.increment.state for entry in plots._states(history)] == shown
+    history = SimpleNamespace(entries=[SimpleNamespace(step=step) for step in steps], friction=True)
+    assert [entry.step.state for entry in plots._states(history)] == shown
     figure = plt.figure()
     plots._legend(figure, SimpleNamespace(history=history, mu=0.5), {})
     (legend,) = figure.legends
@@ -194,7 +194,8 @@ def test_one_length_and_one_load_in_the_picture(tmp_path, monkeypatch):
     assert {axis.get_xlabel() for axis in panels} == {f"position x/a [–]  (1 = {length})"}
     assert len(panels) == 4 and all(widest < axis.get_xlim()[1] < 1.4 * widest for axis in panels)
     texts = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert texts[:2] == [rf"1: $Q = {0.1 / 0.3:+.2f}\,\mu P$", rf"2: $Q = {-0.05 / 0.3:+.2f}\,\mu P$"]
+    loads = rf"$1.00\,P$, $Q = {0.1 / 0.3:+.2f}\,\mu P$", rf"$0.30\,P$, $Q = {-0.05 / 0.3:+.2f}\,\mu P$"
+    assert texts[:2] == [f"{state}: {load}" for state, load in enumerate(loads, 1)]
     assert "the largest normal load" in figure.legends[0].get_title().get_text()
 
 

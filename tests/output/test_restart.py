@@ -143,7 +143,7 @@ def _command(pid):
 @pytest.mark.slow
 @pytest.mark.parametrize("ranks", [(1, 1, 1, 1), (2, 1, 2, 3)], ids=["one rank", "changing ranks"])
 def test_killed_several_times(ranks, uninterrupted, tmp_path):
-    """SIGKILL before the first increment, in the first quarter and near the end; the last part runs through."""
+    """SIGKILL before the first load step, in the first quarter and near the end; the last part runs through."""
     folder, first = tmp_path / "run", coarse_arguments(tmp_path / "run", **RUN)
     for word, count, arguments in zip(
         ("unknowns", " 3/11", " 9/11"), ranks, (first, ["--resume", folder], ["--resume", folder])

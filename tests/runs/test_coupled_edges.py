@@ -69,9 +69,9 @@ def test_edges_are_read_with_the_powers_that_coupling_gives():
     for exponents in (simulation.history.exponents, lambda friction: 4 * (0.5,)):
         off = []
         for entry in simulation.history.entries[1:-1]:  # the last edge has that of the first turn beside it
-            x_l, c_l, c_r, x_r = exponents(entry.increment.direction * simulation.mu)
+            x_l, c_l, c_r, x_r = exponents(entry.step.direction * simulation.mu)
             contact = fitted_contact_edges(entry.surface, (x_l, x_r))
-            stick = fitted_stick_edges(entry.surface, simulation.mu, entry.increment.direction, (c_l, c_r))
+            stick = fitted_stick_edges(entry.surface, simulation.mu, entry.step.direction, (c_l, c_r))
             exact = (*reference.contact(entry), *reference.stick(entry))
             off.append(np.abs(np.subtract((*contact, *stick), exact)))
         middle.append(np.median(off))

@@ -174,7 +174,7 @@ def default_mesh(**changes) -> Simulation:
 
 def worst_of_states(simulation, other) -> dict[str, float]:
     """Largest errors at the first +Q_A and at A to E of the cycles."""
-    states = [compare_state(entry, other) for entry in simulation.history.entries if entry.increment.state]
+    states = [compare_state(entry, other) for entry in simulation.history.entries if entry.step.state]
     assert len(states) == 1 + 5 * simulation.scene.load.cycles
     return {name: max(state[name] for state in states) for name in ("pressure_l2", "traction_l2")}
 
@@ -209,7 +209,7 @@ def test_friction_in_the_normal_stage_starts_with_locked_in_traction():
     """Pressed on with friction away from the Holl ratio, a self-equilibrated traction is there before Q is."""
     simulation = coarse_simulation(solid__nu=0.3, effects__friction_in_normal_stage="true", solver__normal_increments=8)
     for entry in simulation.run():
-        if entry.increment.branch != "normal":
+        if entry.step.branch != "normal":
             break
         pressed = entry.surface
     mu = simulation.mu

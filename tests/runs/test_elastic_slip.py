@@ -49,7 +49,7 @@ def test_is_that_of_the_half_plane_solver_at_every_state(elastic):
     simulation, balance = elastic
     entries, mu = simulation.history.entries, simulation.mu
     solver = HalfPlaneContact(simulation.scaled.kernel, simulation.scaled.indenter, mu, nodes=120, elastic=0.2 / mu)
-    states = solver.run([entry.increment.load.P, entry.increment.load.Q] for entry in entries)
+    states = solver.run([entry.step.load.P, entry.step.load.Q] for entry in entries)
     for entry, state in zip(entries, states, strict=True):
         surface = entry.surface
         p, q = (np.interp(surface.x, state.x, f, left=0, right=0) for f in (state.pressure, state.traction))

@@ -39,9 +39,9 @@ def test_fields_are_in_equilibrium_after_condensation(condensed):
 
 def test_loads_balance(condensed):
     for entry in condensed.history.entries:
-        surface, increment = entry.surface, entry.increment
-        assert surface.line_load(surface.pressure) == pytest.approx(increment.P, rel=1e-8)
-        assert surface.line_load(surface.traction) == pytest.approx(increment.Q, rel=1e-8, abs=1e-8 * increment.P)
+        surface, step = entry.surface, entry.step
+        assert surface.line_load(surface.pressure) == pytest.approx(step.P, rel=1e-8)
+        assert surface.line_load(surface.traction) == pytest.approx(step.Q, rel=1e-8, abs=1e-8 * step.P)
 
 
 def test_contact_conditions_hold(condensed):
@@ -70,7 +70,7 @@ def test_a_state_out_of_balance_is_not_accepted(method):
     """Moving two mirror nodes leaves the resultants as they are: only the forces node by node tell."""
     simulation = coarse_simulation(solver__method=method)
     entry = next(simulation.run())
-    load, body = entry.increment.load, simulation.body
+    load, body = entry.step.load, simulation.body
     newton, problem = simulation.solver._newton, simulation.solver.problem
     assert newton.balance(load).converged
     nodes = simulation.sampler._nodes
@@ -95,7 +95,7 @@ def test_repeated_increment_changes_nothing():
         entry = next(states)
     solver = simulation.solver
     u = simulation.body.state.x.array.copy()
-    result = solver._newton.solve(entry.increment.load)
+    result = solver._newton.solve(entry.step.load)
     assert result.converged and result.iterations <= 1
     assert simulation.body.state.x.array == pytest.approx(u, abs=1e-8)
 

@@ -79,5 +79,5 @@ def test_any_path_of_loads_with_varying_pressure(coupling):
     deviation = compare(simulation.history, other)
     assert abs(deviation["a"]) < 1e-3 and abs(deviation["dissipated_energy"]) < 1e-2
     P = [entry.surface.line_load(entry.surface.pressure) for entry in simulation.history.entries]
-    assert P == pytest.approx([increment.P for increment in simulation.schedule], rel=1e-8)
+    assert P == pytest.approx([step.P for step in simulation.schedule], rel=1e-8)
     assert np.ptp(P) == pytest.approx(0.4)

@@ -18,7 +18,7 @@ def test_a_loop_has_the_closed_forms(k):
     springs, loop = Springs(simulation.contact, simulation.mu, simulation.schedule), simulation.loop
     assert springs.dissipated_energy() == pytest.approx(loop.dissipated_energy, rel=1e-9)
     for entry in simulation.history.last_cycle:
-        x, step = entry.surface.x, entry.increment
+        x, step = entry.surface.x, entry.step
         exact = loop.traction(x, Q=step.Q, branch=step.branch)
         assert springs.traction(entry, x) == pytest.approx(exact, abs=1e-9)
         assert springs.stick_half_width(entry) == pytest.approx(loop.active_half_width(step.Q, step.branch), rel=1e-9)

@@ -34,7 +34,7 @@ def partly_slipping(request):
     pressed = simulation.body.state.x.array.copy()
     entry = next(states)
     simulation.body.complete()
-    return simulation, pressed, simulation.body.state.x.array.copy(), entry.increment.load
+    return simulation, pressed, simulation.body.state.x.array.copy(), entry.step.load
 
 
 def relative_defect(system, load, rng):

@@ -28,7 +28,7 @@ def test_it_leads_to_the_answer(method, coupling, wrong):
         solver__method=method, effects__coupling=coupling, solid__nu=0.3, mesh__facet=0.2, load__cycles=0
     )
     entry = simulation.run_to_end().history.entries[-1]
-    solver, load = simulation.solver._newton, entry.increment.load
+    solver, load = simulation.solver._newton, entry.step.load
     terms, answer = simulation.solver.problem.terms, solver.x.copy()
     forces = terms.contact_forces().copy()
     answer.copy(solver._best)
@@ -56,7 +56,7 @@ def test_where_all_points_slide_the_indenter_is_held(monkeypatch):
     def shrunk():
         return Simulation(MPI.COMM_SELF, make_scene(SHRINKING, base=None)).run_to_end()
 
-    assert shrunk().history.entries[-1].increment.load[:2] == pytest.approx((0.5, 0.1))
+    assert shrunk().history.entries[-1].step.load[:2] == pytest.approx((0.5, 0.1))
     monkeypatch.setattr(path, "_hold_indenter", lambda *_: False)
     with pytest.raises(SolveError, match="singular"):
         shrunk()
@@ -89,7 +89,7 @@ def test_a_symmetric_contact_of_which_no_point_sticks():
     """Pressed on with little friction: where the middle is between two nodes all slide, and carry Q = 0 as they are."""
     case = "friction from first contact: friction_in_normal_stage True, k -0.5, mu 0.01"
     simulation = Simulation(MPI.COMM_SELF, make_scene(read_cases([case.partition(":")[0]])[case], base=None))
-    entries = [entry for entry in simulation.run() if entry.increment.branch == "normal"]
+    entries = [entry for entry in simulation.run() if entry.step.branch == "normal"]
     assert not any(entry.cuts for entry in entries)
     assert max(entry.residual / entry.tolerance for entry in entries) <= 1.0
 

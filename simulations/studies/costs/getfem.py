@@ -25,7 +25,7 @@ from .cases import GETFEM, Case
 CONTACT, FAR = 1, 2
 QUARTER = 10  # increments up; forty for the cycle
 TOLERANCE = 1e-10  # of the residual at P = 1; 1e-6 is a fifth faster and enough on the two coarse meshes only
-MOVE = "[1,0;0,0]*(u-d-s0)"  # slip of the increment
+MOVE = "[1,0;0,0]*(u-d-s0)"  # slip of the load step
 
 
 def measure(case: Case) -> dict:
@@ -49,7 +49,7 @@ def measure(case: Case) -> dict:
 
 
 def _loop(scene, scaled, grading, is_mixed, schedule):
-    """Number of unknowns, and after each increment x, weight, p, q and slip at the contact's P2 nodes."""
+    """Number of unknowns, and after each load step x, weight, p, q and slip at the contact's P2 nodes."""
     getfem.util("trace level", 0)
     getfem.util("warning level", 0)
     x, y = columns(grading), -layers(grading, DepthMap())[::-1]
@@ -135,15 +135,15 @@ def _states(model, mesh, u, schedule, solve, mu):
     rest, states = relative()[on_top], []
     model.set_variable("f", [mu])
     model.set_variable("pin", [0.0])  # without friction nothing else holds the cylinder
-    for increment in schedule:
+    for step in schedule:
         model.set_variable("s0", _slip_data(relative()))
-        solve(increment.P, increment.Q)
+        solve(step.P, step.Q)
         states.append(state() | {"slip": relative()[on_top] - rest})
     return states
 
 
 def _slip_data(relative):
-    """Field whose x components are the positions at which the increment begins."""
+    """Field whose x components are the positions at which the load step begins."""
     data = np.zeros_like(relative)
     data[::2] = relative[::2]
     return data

@@ -93,7 +93,7 @@ class Runs:
             scene = self._scene(k, nu, shares[-1], coupling, cycles=0, increments=len(shares))
             simulation = Simulation(self.comm, scene, self._cells(scene, shares))
             simulation.run_to_end()
-            loaded = [e for e in simulation.history.entries if e.increment.branch == "initial"]
+            loaded = [e for e in simulation.history.entries if e.step.branch == "initial"]
             fields = [_field(entry, simulation) for entry in loaded]
             self._kept[key] = dict(zip(shares, fields, strict=True))
         return self._kept[key]
@@ -106,8 +106,8 @@ class Runs:
             simulation.run_to_end()
             states = {}
             for entry in simulation.history.entries:  # A is the end of the first loading, not of the cycle
-                if entry.increment.state and entry.increment.state not in states:
-                    states[entry.increment.state] = _field(entry, simulation)
+                if entry.step.state and entry.step.state not in states:
+                    states[entry.step.state] = _field(entry, simulation)
             contact = simulation.contact
             energy = simulation.history.dissipated_energy / own_units(contact, MU).energy
             self._kept[key] = Loop(states, energy)
