@@ -187,8 +187,8 @@ def _closed_loop(axis, beside, loop, unit, style, is_cycle):
 def _legend(figure, simulation, lines):
     """One for all panels, below them."""
     history, mu, handles = simulation.history, simulation.mu, []
-    varies = min(entry.step.P for entry in _states(history)) < CONSTANT
     if history.friction:
+        varies = min(entry.step.P for entry in _states(history)) < CONSTANT
         for entry, colour, marker in zip(_states(history), COLOURS, MARKERS):
             step = entry.step
             normal = rf"${step.P:.2f}\,P$, " if varies else ""
