@@ -7,6 +7,7 @@ import numpy as np
 from forms.contact import OPEN
 
 BESIDE = 8  # points beside the edge, whose displacement has the error of the facet that it cuts
+SIDES = -1, 1  # left, right
 SAME = 1e-12  # of the contact half-width: points this close are one node's
 
 

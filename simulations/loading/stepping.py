@@ -158,7 +158,7 @@ class LoadStepping:
                 self.problem.memory.come_to_rest()
             if enters:
                 self.entering.end()
-                self._unsettled = max(self._unsettled, self.entering.unsettled)
+                self._unsettled = max(self._unsettled, self.entering.iteration.unsettled)
             self._newton.accept(after)
             return 0
         self._restore(saved)
@@ -218,9 +218,9 @@ class LoadStepping:
             found = self._save()
             if not self.entering.renew(self._clearance(), settled):
                 return
-            best = found if self.entering.is_best else best
+            best = found if self.entering.iteration.is_best else best
             if not solves_left:
-                self.entering.go_back()
+                self.entering.iteration.go_back()
                 found = best
             elif self._solve(load)[-1].converged:
                 continue

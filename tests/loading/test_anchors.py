@@ -6,9 +6,9 @@ import pytest
 from analytic import GradedHalfPlane
 from analytic.stuck_edge import StuckEdge
 from forms.contact import BACKWARD, CLOSED, FORWARD, OPEN
-from simulations.loading.anchors import Ratio, accelerated, anchors_of_entering, measure
+from simulations.loading.approach import Approach, Ratio
 from simulations.loading.contact_points import BESIDE, Surface
-from simulations.loading.stopped_points import CUT, OUT, anchors_of_stopped, without_kink
+from simulations.loading.stopped_points import CUT, OUT, accelerated, anchors_of_stopped, without_kink
 
 X = np.linspace(-1.5, 1.5, 121)
 
@@ -21,10 +21,20 @@ def touching(half_width, s=0.0, stick=None) -> Surface:
     return Surface(states, np.zeros(len(X)) + s, np.maximum(np.abs(X) - half_width, 0.0) ** 1.5)
 
 
+def approach(left=0.0, right=0.0, edge=None) -> Approach:
+    """With these r at the edges of contact."""
+    made = Approach(X, edge)
+    made.ratios = {-1: Ratio(left), 1: Ratio(right)}
+    return made
+
+
+def values(found: Approach):
+    return found.ratios[-1].value, found.ratios[1].value
+
+
 def test_open_points_move_by_the_ratio_until_they_touch():
-    ratios = {-1: Ratio(0.2), 1: Ratio(-0.3)}
     before = touching(0.5, s=0.1)
-    anchors = anchors_of_entering(X, before, touching(0.7), ratios)
+    anchors = approach(0.2, -0.3).anchors(before, touching(0.7))
     inside = np.abs(X) <= 0.5
     assert np.array_equal(anchors[inside], before.s[inside])
     assert anchors[X > 0.5] == pytest.approx(0.1 - 0.3 * before.clearance[X > 0.5])
@@ -35,9 +45,9 @@ def test_the_ratio_is_measured_on_points_that_are_open_still():
     before, after = touching(0.5), touching(0.7)
     moved = np.where(X > 0, -0.3, 0.2) * (before.clearance - after.clearance)
     moved[np.abs(X) < 0.7] = 7.0  # nothing is learnt from these
-    ratios = {-1: Ratio(), 1: Ratio()}
-    measure(X, before, Surface(after.states, before.s + moved, after.clearance), ratios, (0.1, 0.6), 0)
-    assert (ratios[-1].value, ratios[1].value) == pytest.approx((0.2, -0.3))
+    found = approach()
+    found.measure(before, Surface(after.states, before.s + moved, after.clearance))
+    assert values(found) == pytest.approx((0.2, -0.3))
 
 
 @pytest.mark.parametrize("k, nu", [(0.534, -0.19), (0.0, 0.0), (-0.5, 0.2)])
@@ -52,19 +62,19 @@ def test_ahead_of_a_stuck_edge_open_points_tell_where_those_passed_touched(k, nu
     before, after = touching(0.51), touching(0.71, s=s)
     before.clearance[:] = moved.real + left
     after.clearance[:] = left
-    ratios = {-1: Ratio(), 1: Ratio()}
-    measure(X, before, after, ratios, (0.1, 0.6), 0, edge)
-    anchors = anchors_of_entering(X, before, after, ratios, edge)
+    found = approach(edge=edge)
+    found.measure(before, after)
+    anchors = found.anchors(before, after)
     passed = (X > 0.51) & (X < 0.71)
     assert anchors[passed] == pytest.approx(s[passed], rel=1e-9)
-    single = anchors_of_entering(X, before, after, ratios)[passed]
+    single = approach(*values(found)).anchors(before, after)[passed]
     assert np.any(np.abs(single - s[passed]) > 0.05 * np.abs(s[passed]))
 
 
 def test_a_side_that_does_not_grow_keeps_its_ratio():
-    ratios = {-1: Ratio(0.2), 1: Ratio(-0.3)}
-    measure(X, touching(0.7), touching(0.5), ratios, (0.1, 0.6), 0)
-    assert (ratios[-1].value, ratios[1].value) == (0.2, -0.3)
+    found = approach(0.2, -0.3)
+    found.measure(touching(0.7), touching(0.5))
+    assert values(found) == (0.2, -0.3)
 
 
 @pytest.mark.parametrize("share", [0.5, 1.4])
@@ -77,7 +87,7 @@ def test_what_is_seen_of_a_wrong_ratio_does_not_matter_to_the_secant_method(shar
 
 def test_first_contact_starts_in_the_middle_under_a_power():
     before = Surface(np.full(len(X), OPEN), np.zeros(len(X)), np.abs(X) ** 3)
-    anchors = anchors_of_entering(X, before, touching(0.7), {-1: Ratio(0.5), 1: Ratio(-0.5)})
+    anchors = approach(0.5, -0.5).anchors(before, touching(0.7))
     assert anchors == pytest.approx(-0.5 * X * np.abs(X) ** 2, abs=1e-12)
 
 

@@ -7,7 +7,7 @@ from running import coarse_arguments, run_command
 from solving import coarse_simulation, limit_stepping, solved
 
 from simulations.fem import body, edge_place
-from simulations.loading import anchors, stopped_points
+from simulations.loading import stopped_points
 from simulations.loading.fallbacks import Options
 from simulations.loading.stepping import SolveError
 from simulations.runs import checks
@@ -131,7 +131,7 @@ def test_anchors_beside_the_old_edge_of_contact_lie_on_a_smooth_curve(monkeypatc
 
 def test_anchors_settle_that_change_by_little_in_each_solve(monkeypatch):
     assert not any(entry.unsettled for entry in solved(**LEADING).history.entries)
-    monkeypatch.setattr(anchors, "FASTEST", 0.0)
+    monkeypatch.setattr(stopped_points, "FASTEST", 0.0)
     unsettled = [entry.unsettled for entry in solved(**LEADING).history.entries if entry.unsettled]
     assert unsettled and min(unsettled) > Options().anchors_settled
 
