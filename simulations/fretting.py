@@ -13,8 +13,7 @@ from .output.files import OutputError
 from .output.folder import begin, claimed, files, refuse_changed
 from .output.results import Results
 from .runs.checks import Check, ChecksFailed
-from .runs.comparison import QUANTITIES
-from .runs.estimate import coarser, estimated, expectation
+from .runs.estimate import coarser, estimated, expectation, measured
 from .runs.explain import explain
 from .runs.reference import expected_seconds
 from .runs.simulation import Simulation
@@ -22,7 +21,6 @@ from .runs.timing import Stopwatch
 from .scene import DEFAULT_SCENE
 
 
-KNOWN = 0.3  # of the accuracy asked for: a reference whose own error is larger measures none
 TOO_COARSE = "more solver.increments or a smaller solver.accuracy may help"
 
 
@@ -91,37 +89,19 @@ def go(simulation: Simulation, folder, progress: Progress, again: str):
 
 
 def judge(simulation: Simulation, results: Results, progress: Progress):
-    """Say the error found, or estimated where no reference is known well enough to find it by, beside the accuracy
-    asked for; and keep it, as a check of the run.
-    """
+    """Hold the run's errors, measured or else estimated, against the accuracy asked for; keep that as a check."""
     scene = simulation.scene
     wanted = scene.solver.accuracy or 0.0
-    exact = results.findings.exact if results.findings else None
-    if exact and max(exact.own.values(), default=0.0) > KNOWN * wanted:
-        exact = None
-    errors = comm.bcast({name: e for name, e in exact.deviations.items() if name in QUANTITIES} if exact else None)
-    worst = comm.bcast(exact.worst if exact else None)
-    is_estimate = errors is None
+    errors = comm.bcast(measured(results.findings.exact, wanted) if results.findings else None)
     if errors is None:
         progress.say("second mesh, for the estimate of the error")
         other, ratio = coarser(comm, scene)
-        errors, worst = estimated(simulation, other.run_to_end(), ratio)
-    kind = "estimated, not measured" if is_estimate else "found"
-    for found, where in ((errors, "last state"), (worst, "worst state")):
-        name = max(found, key=lambda name: abs(found[name]))
-        progress.say(f"largest error of the {where} {abs(found[name]):.1e} ({name}; {kind})")
-    largest = max(map(abs, (*errors.values(), *worst.values())))
-    check = Check(largest, wanted, "" if largest <= wanted else TOO_COARSE)
+        errors = estimated(simulation, other.run_to_end(), ratio)
+    check = Check(errors.largest, wanted, "" if errors.largest <= wanted else TOO_COARSE)
+    for words in errors.in_words():
+        progress.say(words)
     progress.say(f"all states, a, c and energy are {'within' if check.holds else 'NOT within'} {wanted:g}")
-    accuracy = {
-        "wanted": wanted,
-        "is_within": check.holds,
-        "largest_error": max(map(abs, errors.values())),
-        "largest_error_worst_state": max(map(abs, worst.values())),
-        "is_estimate": is_estimate,
-        "errors": errors,
-    }
-    results.judge_accuracy(check, accuracy)
+    results.judge_accuracy(check, {"wanted": wanted, "is_within": check.holds} | errors.summary())
 
 
 if __name__ == "__main__":

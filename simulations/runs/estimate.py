@@ -1,16 +1,58 @@
-"""What ``solver.accuracy`` promises; and a run's error from two meshes, where no reference is known well enough."""
+"""What ``solver.accuracy`` promises; and a run's error, from two meshes where no reference is known well enough."""
+
+from dataclasses import dataclass
 
 import numpy as np
 
 from ..scene import Scene, accuracy, make_scene
 from ..scene.effects import Effects
 from ..scene.solid import is_holl_ratio
-from .comparison import compare, worst
+from .comparison import QUANTITIES, compare, worst
 from .coupled_loop import serves
 from .history import Entry, History
+from .report_data import Comparison
 from .simulation import Simulation
 
-COARSER = 2.0  # times the fineness
+COARSER_MESH = 2.0  # times the fineness
+WELL_KNOWN = 0.3  # of the accuracy asked for: a reference whose own error is larger measures none
+
+
+@dataclass(frozen=True)
+class Errors:
+    """Relative errors of a run by quantity, of its last state and its worst; an estimate where not measured."""
+
+    last: dict[str, float]
+    worst: dict[str, float]
+    is_estimate: bool
+
+    @property
+    def largest(self) -> float:
+        """Of all."""
+        return max(map(abs, (*self.last.values(), *self.worst.values())))
+
+    def in_words(self) -> list[str]:
+        """The largest of both states, one line each."""
+        kind, lines = "estimated, not measured" if self.is_estimate else "found", []
+        for errors, where in ((self.last, "last state"), (self.worst, "worst state")):
+            name = max(errors, key=lambda name: abs(errors[name]))
+            lines.append(f"largest error of the {where} {abs(errors[name]):.1e} ({name}; {kind})")
+        return lines
+
+    def summary(self) -> dict:
+        """What summary.json says of them."""
+        return {
+            "largest_error": max(map(abs, self.last.values())),
+            "largest_error_worst_state": max(map(abs, self.worst.values())),
+            "is_estimate": self.is_estimate,
+            "errors": self.last,
+        }
+
+
+def measured(exact: Comparison | None, wanted: float) -> Errors | None:
+    """By a solution of the same physics; None where there is none, or it is not known well enough for ``wanted``."""
+    if exact is None or max(exact.own.values(), default=0.0) > WELL_KNOWN * wanted:
+        return None
+    return Errors({name: e for name, e in exact.deviations.items() if name in QUANTITIES}, exact.worst, False)
 
 
 class Solved:
@@ -81,15 +123,15 @@ def coarser(comm, scene: Scene) -> tuple[Simulation, float]:
     """
     choice = _choice(scene)
     levels = accuracy.expected(*_asked(scene))
-    other = min(levels, key=lambda level: abs(np.log(level.fineness / (COARSER * choice.fineness))))
+    other = min(levels, key=lambda level: abs(np.log(level.fineness / (COARSER_MESH * choice.fineness))))
     if other.fineness <= choice.fineness:  # already the coarsest: a finer one tells as much
-        other = min(levels, key=lambda level: abs(np.log(level.fineness * COARSER / choice.fineness)))
+        other = min(levels, key=lambda level: abs(np.log(level.fineness * COARSER_MESH / choice.fineness)))
     values = {key: value for key, value in scene.to_keys().items() if key != "solver.accuracy"} | other.mesh
     return Simulation(comm, make_scene(values, base=None)), other.error / choice.error
 
 
-def estimated(simulation: Simulation, other: Simulation, ratio: float) -> tuple[dict[str, float], dict[str, float]]:
-    """Errors of ``simulation`` by quantity, at the last and at the worst state, from how far ``other`` is off it.
+def estimated(simulation: Simulation, other: Simulation, ratio: float) -> Errors:
+    """Errors of ``simulation`` from how far ``other`` is off it.
 
     The difference is the coarser mesh's error; it is divided by the ``ratio`` that the errors of both meshes have
     where there are closed forms, and multiplied by the margin of the table.
@@ -97,4 +139,4 @@ def estimated(simulation: Simulation, other: Simulation, ratio: float) -> tuple[
     factor, finer = accuracy.MARGIN / max(ratio, 1.0), Solved(simulation.history)
     found = compare(other.history, finer), worst(other.history, finer)
     last, worst_state = ({name: factor * abs(v) for name, v in f.items() if np.isfinite(v)} for f in found)
-    return last, worst_state
+    return Errors(last, worst_state, True)

@@ -144,9 +144,9 @@ def test_estimate_is_no_smaller_than_the_error_and_not_much_larger():
     scene = parse(DEFAULT_SCENE, ("solver.accuracy=1e-3",))
     fine = simulated(scene)
     other, ratio = estimate.coarser(MPI.COMM_SELF, scene)
-    last, of_states = estimate.estimated(fine, other.run_to_end(), ratio)
-    estimated = max(last.values())
-    assert max(of_states.values()) > of_states["pressure_l2"] >= last["pressure_l2"]
+    errors = estimate.estimated(fine, other.run_to_end(), ratio)
+    estimated = max(errors.last.values())
+    assert errors.largest > errors.worst["pressure_l2"] >= errors.last["pressure_l2"]
     error = max(map(abs, deviations(fine).values()))
     assert error < estimated < 30 * error
 
