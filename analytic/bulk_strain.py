@@ -12,7 +12,7 @@ import numpy as np
 
 from .checks import require
 from .cylinder import CylinderContact
-from .fretting import ROUND_OFF, FrettingLoop
+from .fretting import BEYOND_END, FrettingLoop
 from .partial_slip import PartialSlip
 from .point_force import point_force_stress
 from .quadrature import nodes_for, plain_rule
@@ -156,7 +156,7 @@ class StretchedLoop:
                 "moved aside does not differ from itself by a straight line"
             )
         require("strain", self.strain, -np.inf)
-        if abs(self.strain) > self.largest_strain * (1 + ROUND_OFF):
+        if abs(self.strain) > self.largest_strain * (1 + BEYOND_END):
             raise ValueError(
                 f"strain = {self.strain!r} is outside the range of the closed form, |strain| <= "
                 f"alpha a Q_A/((2+k) P R) = {self.largest_strain!r}: beyond it one edge of the "
@@ -234,7 +234,7 @@ class StretchedLoop:
             share = state.Q / self.loop.Q_A if self.loop.Q_A else 0.0
             return StretchedPartialSlip(state, self.strain * share)
         outer = self.c + abs(self.shift)
-        if self.strain and (branch == "reloading" or np.any(state.c < outer * (1 - ROUND_OFF))):
+        if self.strain and (branch == "reloading" or np.any(state.c < outer * (1 - BEYOND_END))):
             k, limit = self.loop.contact.solid.k, self.loop.mu * self.loop.contact.P
             last = self.loop.Q_A - 2 * limit * (1 - (outer / self.loop.a) ** (2 + k))
             raise ValueError(

@@ -7,7 +7,7 @@ import numpy as np
 from .partial_slip import PartialSlip
 from .special import log_remainder
 
-ROUND_OFF = 1e-14  # a load beyond the end of a branch by this share of Q_A is taken as the end
+BEYOND_END = 1e-14  # a load beyond the end of a branch by this share of Q_A is taken as the end
 
 
 @dataclass(frozen=True)
@@ -99,7 +99,7 @@ class FrettingLoop:
             raise ValueError(f"branch = {branch!r} is not one of {tuple(branches)}")
         start, end = branches[branch]
         low, high = min(start, end), max(start, end)
-        Q, margin = np.asarray(Q, dtype=float)[()], ROUND_OFF * Q_A
+        Q, margin = np.asarray(Q, dtype=float)[()], BEYOND_END * Q_A
         if not np.all((Q >= low - margin) & (Q <= high + margin)):
             raise ValueError(f"Q = {Q!r} is outside the {branch} branch, {low!r} <= Q <= {high!r}")
         Q = np.clip(Q, low, high)

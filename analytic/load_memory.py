@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-ROUND_OFF = 1e-14  # of mu P: points of the polyline closer than this are one
+SAME_POINT = 1e-14  # of mu P: points of the polyline closer than this are one
 
 
 @dataclass(frozen=True)
@@ -46,11 +46,11 @@ class LoadMemory:
         dP, dQ = P - self.P[-1], Q - self.Q[-1]
         if dP == 0 and dQ == 0:
             return self
-        if dP > 0 and abs(dQ) - self.mu * dP <= ROUND_OFF * self.mu * P:
+        if dP > 0 and abs(dQ) - self.mu * dP <= SAME_POINT * self.mu * P:
             return self._joined(len(self.P) - self._straight(dQ / dP), P, P, Q)
         direction = np.sign(dQ if dP >= 0 else Q - self.narrower(P))
         reserve, left = self.mu * self.P - direction * self.Q, self.mu * P - direction * Q
-        after = int(np.argmax(reserve >= left - ROUND_OFF * self.mu * P))
+        after = int(np.argmax(reserve >= left - SAME_POINT * self.mu * P))
         if direction == 0 or after == 0:  # 0: no punch slips, or by rounding only
             return self._joined(np.searchsorted(self.P, P), P, P, Q)
         share = (left - reserve[after - 1]) / (reserve[after] - reserve[after - 1])

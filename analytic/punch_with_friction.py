@@ -18,7 +18,7 @@ from .singular_panels import Panels
 
 TERMS, COARSE = 10, 8  # of the polynomial on a panel; for the first guess and the estimate of the error
 RATIO = 0.25  # of the widths of neighbouring panels
-SMALLEST = 1e-5  # width of the panels at c over that of the zone of stick or slip
+PANEL_AT_C = 1e-5  # width of the panels at c over that of the zone of stick or slip
 OVERSAMPLING = 4  # collocation points per panel beyond TERMS
 ROOT = 1e-10  # of ln(c/(1-c))
 EXTREME = 40.0  # largest |ln(c/(1-c))|: beyond it everything slips, or everything sticks
@@ -72,7 +72,7 @@ class PunchWithFriction:
     def pressure_panels(self):
         """Panels of p on (0, 1)."""
         c, w = self.c, self.slip_width
-        inner, outer = _graded(c, SMALLEST * min(c, w)), _graded(w / 2, SMALLEST * min(c, w))[::-1]
+        inner, outer = _graded(c, PANEL_AT_C * min(c, w)), _graded(w / 2, PANEL_AT_C * min(c, w))[::-1]
         lo, hi = np.concatenate([-inner, [0.0], outer]), np.concatenate([-inner[1:], [0.0], outer, [w]])
         return Panels(c, lo, hi, self.medium.edge_power(1), self.terms, self.medium.k)
 

@@ -4,7 +4,7 @@ from functools import lru_cache
 
 import numpy as np
 
-SMALLEST = 1e-60  # a node closer to an end has no weight of its own; keeps its powers finite
+LEAST_POWER = 1e-60  # a node closer to an end has no weight of its own; keeps its powers finite
 BLOCK = 64  # points evaluated at once, which bounds the memory of points x nodes x nodes
 
 
@@ -23,7 +23,7 @@ def one_sided_rule(power, n):
     m = max(1, round(8 * (power + 1)))
     exponent = m / (power + 1)
     with np.errstate(under="ignore"):
-        return np.maximum(v**exponent, SMALLEST), weight * exponent * v ** (m - 1)
+        return np.maximum(v**exponent, LEAST_POWER), weight * exponent * v ** (m - 1)
 
 
 @lru_cache(maxsize=256)

@@ -15,7 +15,7 @@ import numpy as np
 from scipy.special import beta as euler_beta
 from scipy.special import betainc, zeta
 
-SMALLEST = 1e-300  # of s/x, where only its logarithm still matters
+LEAST_RATIO = 1e-300  # of s/x, where only its logarithm still matters
 TERMS = 56  # arguments do not exceed 1/2, and 2^-56 is below the resolution of binary64
 
 
@@ -154,7 +154,7 @@ def _by_zone(x, s, distance, near, far, at_edge, far_away):
     close = y <= 0.5
     value = np.empty_like(y)
     value[close] = near(y[close])
-    value[~close] = far(np.maximum(s[~close] / x[~close], SMALLEST))
+    value[~close] = far(np.maximum(s[~close] / x[~close], LEAST_RATIO))
     result[outside] = value
     return result[()]
 

@@ -10,7 +10,7 @@ from .coupled.exponents import oscillation
 from .half_plane.surface_kernel import PowerLawKernel
 from .material import GradedHalfPlane
 
-STEEPEST = 1.4  # angle; nearer to the old edge than this tells, points hardly have to move
+LARGEST_ANGLE = 1.4  # angle; nearer to the old edge than this tells, points hardly have to move
 CLOSEST = 1e-6  # distance from the old edge, over the advance
 
 
@@ -46,7 +46,7 @@ class StuckEdge:
     def turned(self, r, angle):
         """The ratio ``r`` with its theta changed by ``angle``."""
         scale = sqrt(self.solid.alpha)
-        return scale * np.tan(np.clip(np.arctan(r / scale) + angle, -STEEPEST, STEEPEST))
+        return scale * np.tan(np.clip(np.arctan(r / scale) + angle, -LARGEST_ANGLE, LARGEST_ANGLE))
 
     def _phase(self, distance, advance, width):
         power = (3 - self.solid.k) / 2 + 1j * self.oscillation  # of the rate, integrated

@@ -55,7 +55,7 @@ def test_run_stays_a_function_whatever_was_imported_before():
 
 def test_checks_that_fail_are_a_warning(monkeypatch):
     assert all(check.holds for check in run(QUICK).checks.values())
-    monkeypatch.setattr("simulations.runs.checks.OPEN", -1.0)
+    monkeypatch.setattr("simulations.runs.checks.PENETRATION", -1.0)
     with pytest.warns(ChecksWarning, match="checks that fail: gap >= 0"):
         result = run(QUICK)
     assert not result.checks["gap >= 0"].holds

@@ -13,14 +13,14 @@ from .rule import smooth_rule
 FIRST = 0.02  # least load over the span of the branch, where there is a solution,
 FIRST_BORNE = 0.5  # and from which on there must be one,
 STRIDE, HALVINGS = 3.0, 2  # factor between loads on the way there, halvings of its logarithm where there is none,
-COARSER = 1.5  # and how much larger the least load is if the loop is ``like`` another
+LEAST_OVER_LIKE = 1.5  # and how much larger the least load is if the loop is ``like`` another
 POWER = 2.0  # of the variable in which the loads are spread, see ``Branch.variable``
 EXTRA, LATER = 4, 6  # number of loads in the first part more than the order is, and in each of the others
 MIDDLE = 0.3  # span at which the first of them is sought
 SHORTEST, CLOSER = 1e-3, 3  # part at the end of a branch over its span, and states on the way to where it begins
 SPARSE = 3  # so many loads are solved before it is known where a stick edge passes an earlier turn
 LEAST_WIDTH = 0.02  # of slip inside the contact at the turn, over the load, where a solution is still sought
-PATIENCE = 12  # iterations at loads that need no solution
+MOST_ITERATIONS = 12  # iterations at loads that need no solution
 CONDITIONS = 1e-5  # violation of the conditions of friction that is borne, in units of the problem
 
 
@@ -39,7 +39,7 @@ class Branch:
         self._guess = like.guessed if like else guess
         self.loads, self._known = np.empty(0), []
         self.solve_at(self._spread(FIRST_BORNE * span, span, SPARSE))
-        self._reach(min(COARSER * like.first, FIRST_BORNE * span) if like else FIRST * span)
+        self._reach(min(LEAST_OVER_LIKE * like.first, FIRST_BORNE * span) if like else FIRST * span)
         self.first = self.loads[0]
 
     @cached_property
@@ -88,7 +88,7 @@ class Branch:
         if self._hopeless(load):
             return False
         try:
-            self._add(load, *self._solved(load, PATIENCE))
+            self._add(load, *self._solved(load, MOST_ITERATIONS))
         except ContactNotConverged:
             return False
         return True

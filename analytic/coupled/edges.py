@@ -6,16 +6,16 @@ from ..half_plane.linear import ContactNotConverged
 from .linear import solve
 from .stick import layout
 
-LONGEST = 0.3  # change of a variable in one step
+LONGEST_STEP = 0.3  # change of a variable in one step
 ITERATIONS = 30
 CUTS = 3  # steps in a row that would leave no stick, or leave the contact at the turn with it
 SLOW, STALLS = 0.8, 4  # part of the amplitudes left after a step with a new Jacobian, and how often that is borne
 GROWTH = 1.5  # of the amplitudes that is borne in a step,
 FREE = 1e-3  # and amplitudes that are borne in any case
 FLAT = 0.03  # derivative of the amplitude at an edge of stick by its own variable; it is 0.1 to 0.3 elsewhere
-MARGIN = 0.01  # over the width of slip, by which a leap goes too far; a tenth of it at the next one
+LEAP_MARGIN = 0.01  # over the width of slip, by which a leap goes too far; a tenth of it at the next one
 SHORTER = 0.1  # change of the widths of slip in a guess that leaves no stick
-LEAST = 1e-4  # share of the contact that has to stick
+LEAST_STICK = 1e-4  # share of the contact that has to stick
 SETTLED = 1e-8  # largest amplitude (see ``linear.Solution``) at which the edges rest,
 BORNE = 1e-7  # and that borne where it falls no further: rounding, where slip has hardly begun
 
@@ -63,7 +63,7 @@ class EdgeSolver:
             edges = self._edges(y, load)
             return solve(self.problem, self.base, self.friction, edges, self._layout(edges), Q)
 
-        now, before, longest, cuts, margin, stalls = solution(y), np.inf, LONGEST, 0, MARGIN, 0
+        now, before, longest, cuts, margin, stalls = solution(y), np.inf, LONGEST_STEP, 0, LEAP_MARGIN, 0
         for _ in range(iterations):
             size = np.abs(now.amplitudes).max()
             # after one step at least: a guess by another order of the basis would be returned as it is
@@ -76,7 +76,7 @@ class EdgeSolver:
             step *= min(1.0, longest / np.abs(step).max())
             if leaps := self._leaps(y, now, step, load, margin):
                 step[list(leaps)], margin = list(leaps.values()), margin / 10
-                y, before = self._valid(y + np.clip(step, -LONGEST, LONGEST), -step / 8, load), np.inf
+                y, before = self._valid(y + np.clip(step, -LONGEST_STEP, LONGEST_STEP), -step / 8, load), np.inf
                 now = solution(y)
                 continue
             aim, taken = y + step, self._valid(y + step, -step / 8, load)
@@ -118,7 +118,7 @@ class EdgeSolver:
             if now.rates[e] > 0 and way * (after[e] - edges[e]) < distance:
                 continue
             width = outwards * (edges[e + outwards] - edges[e])
-            leaps[e] = np.log1p(-outwards * way * min(distance / width + margin, 1 - np.exp(-LONGEST)))
+            leaps[e] = np.log1p(-outwards * way * min(distance / width + margin, 1 - np.exp(-LONGEST_STEP)))
         return leaps
 
     def _layout(self, edges):
@@ -134,7 +134,7 @@ class EdgeSolver:
             taken = y + times * np.asarray(back)
             x_l, c_l, c_r, x_r = self._edges(taken, load)
             outside = c_l <= self.base.contact[0] or c_r >= self.base.contact[1]
-            if c_r - c_l > LEAST * (x_r - x_l) and not outside:
+            if c_r - c_l > LEAST_STICK * (x_r - x_l) and not outside:
                 return taken
         return self._refuse(y, load)
 

@@ -7,7 +7,7 @@ import numpy as np
 from .panels import GAUSS, NODES, TO_LEGENDRE, Panels, graded, legendre
 
 RATIO = 0.3  # of panels that shrink towards the breaks of a state
-SMALLEST, SMALLEST_STEEP = 3e-6, 3e-8  # the smallest of them, and for k < 0, where tractions end more steeply
+SMALLEST_PANEL, SMALLEST_PANEL_STEEP = 3e-6, 3e-8  # of them, and for k < 0, where tractions end more steeply
 MERGED = 0.6  # length that panels at a break are merged to, over the distance of the nearest other point
 CLOSE = 1e-7  # breaks closer than that are one
 
@@ -30,7 +30,7 @@ class Interpolated:
 
 def shrinking(points, k, at_ends=True):
     """Panels between points, which shrink towards each of them, or all but the first and the last."""
-    pieces, last, smallest = [], len(points) - 2, SMALLEST if k >= 0 else SMALLEST_STEEP
+    pieces, last, smallest = [], len(points) - 2, SMALLEST_PANEL if k >= 0 else SMALLEST_PANEL_STEEP
     for i, (a, b) in enumerate(zip(points, points[1:], strict=False)):
         levels = max(int(np.ceil(np.log(2 * smallest / (b - a)) / np.log(RATIO))), 0)
         pieces.append(graded(a, b, levels * (at_ends or i > 0), levels * (at_ends or i < last), RATIO))

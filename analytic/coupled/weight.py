@@ -11,7 +11,7 @@ from scipy.special import beta, eval_jacobi, roots_jacobi
 from .panels import Panels
 
 NEAR_RATIO, FAR_RATIO = 0.35, 0.1  # of panels towards an edge, as far as points of stick are, and from there on
-SMALLEST = 1e-10  # panel at an edge
+PANEL_AT_EDGE = 1e-10  # panel at an edge
 
 
 class Contact:
@@ -61,7 +61,7 @@ class Contact:
         offsets = []
         for gap in ((c_l + self.half) / self.half, (self.half - c_r) / self.half):
             points = [1.0]
-            while points[-1] > SMALLEST:
+            while points[-1] > PANEL_AT_EDGE:
                 points.append(points[-1] * (NEAR_RATIO if points[-1] > 0.5 * gap else FAR_RATIO))
             offsets.append(np.array([*points, 0.0])[::-1])
         points = np.concatenate([self.x_l + self.half * offsets[0], (self.x_r - self.half * offsets[1])[-2::-1]])

@@ -15,7 +15,7 @@ from .operator import element_moments
 from .surface_kernel import SurfaceKernel
 
 ELEMENTS = 12
-LARGEST = 100.0  # of the coefficients that are looked at; beyond it is infinite
+LARGEST_MU = 100.0  # of the coefficients that are looked at; beyond it is infinite
 STEPS = 24  # of the bisection
 WIDTHS = (1, 2, 3)  # of the stretches that a step of the search changes
 REAL = 1e-9  # relative imaginary part below which an eigenvalue is real
@@ -71,7 +71,7 @@ class RateOperator:
         size = np.abs(values).max(axis=1, keepdims=True)
         inverse = np.where(np.abs(values.imag) <= REAL * size, values.real, 0.0).max(axis=1)
         inverse[free] = 0.0
-        return np.where(inverse > 1 / LARGEST, 1 / np.maximum(inverse, 1 / LARGEST), np.inf)
+        return np.where(inverse > 1 / LARGEST_MU, 1 / np.maximum(inverse, 1 / LARGEST_MU), np.inf)
 
     def is_unique(self, mu: float, stuck: int) -> bool:
         """True where no pattern in which the element ``stuck`` sticks has a second solution; False: not known.
@@ -113,7 +113,7 @@ class CriticalFriction:
 
 def critical_friction(operator: RateOperator) -> CriticalFriction:
     """Sure lower bound, over all patterns with an element that sticks, and upper bound by local search."""
-    if not np.abs(operator.pressing).max() * LARGEST > np.diag(operator.stiffness).min() / LARGEST:
+    if not np.abs(operator.pressing).max() * LARGEST_MU > np.diag(operator.stiffness).min() / LARGEST_MU:
         return CriticalFriction(np.inf, np.inf, "")  # no coupling, the Holl ratio
     upper, pattern = smallest_singular(operator)
     return CriticalFriction(largest_unique(operator), upper, pattern)
@@ -121,7 +121,7 @@ def critical_friction(operator: RateOperator) -> CriticalFriction:
 
 def largest_unique(operator: RateOperator) -> float:
     """Largest mu, by bisection, for which ``is_unique`` wherever one element sticks."""
-    n, low, high = len(operator.stiffness), 0.0, LARGEST
+    n, low, high = len(operator.stiffness), 0.0, LARGEST_MU
     for _ in range(STEPS):
         middle = (low + high) / 2
         if all(operator.is_unique(middle, stuck) for stuck in range(n)):

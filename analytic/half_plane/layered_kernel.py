@@ -18,7 +18,7 @@ from .surface_kernel import PowerLawKernel
 
 DEPTH = 20.0  # over the wavenumber: what lies deeper is felt by e^-40
 RTOL, ATOL = 1e-11, 1e-13
-BESIDE = 1e-13  # relative distance to a jump of E at which its side is certain
+BESIDE_JUMP = 1e-13  # relative distance to a jump of E at which its side is certain
 NEAREST = 1e-12  # over the wavenumber: depth at which the integration ends, in the regular depth variable
 PER_DECADE, SOURCES_PER_DECADE = 20, 10
 CUTOFF = 1e-9  # of the singular values: smaller ones only make strong sources that cancel
@@ -34,7 +34,7 @@ def surface_compliance(modulus, nu, wavenumber, depth, surface_exponent=0.0, bre
     """
     omega, order = float(wavenumber), 1 / (1 - abs(surface_exponent))
     bottom = min(depth, DEPTH / omega)
-    reference = float(modulus(bottom * (1 + BESIDE)))  # of the half-plane below
+    reference = float(modulus(bottom * (1 + BESIDE_JUMP)))  # of the half-plane below
     n, plane = nu / (1 - nu), 1 / ((1 - nu) * (1 + nu))
     shear, axial = 2 * (1 + nu), (1 + nu) * (1 - 2 * nu) / (1 - nu)  # E/G and E/(lambda + 2G)
 
@@ -56,7 +56,7 @@ def surface_compliance(modulus, nu, wavenumber, depth, surface_exponent=0.0, bre
     ends = [bottom, *sorted((y for y in breaks if 0 < y < bottom), reverse=True), 0.0]
     for start, stop in zip(ends, ends[1:], strict=False):
         span = [max(omega * y, NEAREST**order) ** (1 / order) for y in (start, stop)]
-        span = [span[0] * (1 - BESIDE), span[1] * (1 + BESIDE)]
+        span = [span[0] * (1 - BESIDE_JUMP), span[1] * (1 + BESIDE_JUMP)]
         solved = solve_ivp(riccati, span, S, "DOP853", rtol=RTOL, atol=ATOL)
         if not solved.success:
             raise RuntimeError(f"wavenumber {omega:g}: the Riccati equation does not integrate: {solved.message}")

@@ -9,7 +9,7 @@ from .interpolation import Edges, adapted, linear
 from .nodes import graded_nodes
 from .operator import SurfaceOperator
 
-SMALLEST = 1e-7  # spacing at the edges over the width of the contact
+SPACING_AT_EDGE = 1e-7  # spacing at the edges over the width of the contact
 # spacing^(1-k) at edges of stick: the compliance of an element over the whole's, which rounding must not reach
 SOFTEST = 3e-11
 STICK_DENSITY = 2.0  # of nodes at edges of stick, which move, over that at other edges
@@ -59,8 +59,8 @@ class Layout:
         position = np.concatenate([self.contact, self.corners.position, self.kinks.position, self.zones.ravel()])
         density = np.ones(len(position))
         density[len(position) - self.zones.size :] = STICK_DENSITY
-        at_stick = max(SMALLEST, SOFTEST ** (1 / (1 - k)))
-        smallest = np.where(np.arange(len(position)) < 2, SMALLEST, at_stick) * self.width
+        at_stick = max(SPACING_AT_EDGE, SOFTEST ** (1 / (1 - k)))
+        smallest = np.where(np.arange(len(position)) < 2, SPACING_AT_EDGE, at_stick) * self.width
         return graded_nodes(low, high, position, density, count, smallest, grading_order(k))
 
     def operator(self, kernel, nodes, settled, coupled):

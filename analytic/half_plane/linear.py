@@ -62,7 +62,7 @@ class IncrementSolution:
 
 
 MANY = 0.15  # share of equations replaced beyond which another problem is the base
-EXACT = 1e-13  # residual over the largest traction, beyond which the base was no good for a problem
+BASE_RESIDUAL = 1e-13  # residual over the largest traction, beyond which the base was no good for a problem
 
 
 class LinearProblems:
@@ -103,7 +103,7 @@ class LinearProblems:
             if len(np.union1d(rows, base.rows)) <= MANY * len(right):
                 unknowns = self._replaced(sets, rows, right)
                 unknowns += self._replaced(sets, rows, self._rest(sets, unknowns, right))
-                if np.all(np.abs(self._rest(sets, unknowns, right)) <= EXACT * np.abs(unknowns).max(axis=0)):
+                if np.all(np.abs(self._rest(sets, unknowns, right)) <= BASE_RESIDUAL * np.abs(unknowns).max(axis=0)):
                     return unknowns
         self._base = _Base(self.operator, self.mu, sets, self._stick(sets), self._unit, self._width)
         return self._base.solve(right)

@@ -12,7 +12,7 @@ import numpy as np
 from .linear import ContactNotConverged, ContactSets, Data, LinearProblems
 
 STEPS_PER_NODE = 4  # before it is given up
-MARGIN = 1e-3  # of the largest pressure or displacement: how far a guess is moved inside its conditions
+GUESS_MARGIN = 1e-3  # of the largest pressure or displacement: how far a guess is moved inside its conditions
 FLAT = 1e-16  # rates below are rounding; between neighbours at an edge, slip differs by 1e-11
 
 
@@ -57,7 +57,7 @@ def sticking(operator, data: Data, guess) -> Start:
 
 def _some(x):
     """Margins for the nodes, no two alike: they then change their status one by one."""
-    return MARGIN * (1 + np.modf(0.6180339887 * np.arange(len(x)))[0])
+    return GUESS_MARGIN * (1 + np.modf(0.6180339887 * np.arange(len(x)))[0])
 
 
 def followed(problems: LinearProblems, data: Data, start: Start):

@@ -26,7 +26,7 @@ COARSE_MARGIN, MARGIN = 0.1, 0.01  # nodes beyond the contact over its width: wh
 SOUGHT = 2e-3  # motion of the edges over the width of the contact below which all nodes are used,
 SETTLED = 0.3  # and below which they rest, over the distance from an edge to its first few nodes
 SLOW = 0.5  # ratio of successive motions above which edges are thought to go to and fro, and move half way only
-PATIENCE = 5  # passes with half of the nodes; twice as many with all, and then edges rest that move less than SOUGHT
+HALF_PASSES = 5  # passes with half of the nodes; twice as many with all, and then edges rest that move less than SOUGHT
 PASSES = 20
 UNSETTLED = 0.02  # motion of the edges of contact over its width that is never borne with
 FLOOR = 1e-100  # of a ratio whose logarithm is taken
@@ -108,15 +108,15 @@ class HalfPlaneContact:
             iterations += solution.iterations
             new = layout.of(solution, mu, k, old_edges)
             last_motion, motion = motion, new.distance(layout)
-            if fine and motion < (SOUGHT if fine > 2 * PATIENCE else settled):
+            if fine and motion < (SOUGHT if fine > 2 * HALF_PASSES else settled):
                 return self._remember(memory, new, operator, solution, load, normal_stage, motion, iterations)
             if any(new.distance(other) < settled for other in earlier):  # edges go round: once more
-                if fine > 2 * PATIENCE:
+                if fine > 2 * HALF_PASSES:
                     break
-                fine, earlier = 2 * PATIENCE, []
+                fine, earlier = 2 * HALF_PASSES, []
             if fine:
                 earlier.append(new)
-            fine += fine > 0 or motion < SOUGHT or number >= PATIENCE
+            fine += fine > 0 or motion < SOUGHT or number >= HALF_PASSES
             layout = layout.halfway(new) if motion > SLOW * last_motion else new
         # Some edge goes to and fro between nodes: straight lines do not ask where it is.
         layout = layout.with_edges_of(new)

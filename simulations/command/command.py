@@ -32,7 +32,7 @@ __all__ = ["Parser", "comm", "on_root", "run", "say", "writable"]
 T = TypeVar("T")
 comm = MPI.COMM_WORLD
 NO_SOLUTION, CHECKS_FAILED, NOT_WRITTEN = 3, 4, 5  # exit codes; 2 is that of wrong input
-PATIENCE = 30.0  # s that a rank which failed waits for the others to fail too
+LONGEST_WAIT = 30.0  # s that a rank which failed waits for the others to fail too
 LAST = 0.2  # s by which rank 0 ends after the others: mpirun then has nobody left to end, and no more to say
 
 
@@ -81,7 +81,7 @@ def _leave_together(code):
     if comm.size > 1:
         together, waited = comm.Ibarrier(), time.monotonic()
         while not together.Test():
-            if code and time.monotonic() - waited > PATIENCE:
+            if code and time.monotonic() - waited > LONGEST_WAIT:
                 comm.Abort(code if isinstance(code, int) else 1)
             time.sleep(0.01)
     rank, ranks = comm.rank, comm.gather((socket.gethostname(), os.getpid())) if code else None
@@ -102,7 +102,7 @@ def _leave_together(code):
 def _wait_for_end(others: list[int]):
     """Wait until mpirun has seen the end of the other ranks of this machine."""
     start = time.monotonic()
-    while any(os.path.exists(f"/proc/{pid}") for pid in others) and time.monotonic() - start < PATIENCE:
+    while any(os.path.exists(f"/proc/{pid}") for pid in others) and time.monotonic() - start < LONGEST_WAIT:
         time.sleep(0.01)
     if others:
         time.sleep(LAST)

@@ -20,8 +20,8 @@ RULES = {  # of (degree + 1) nodes: those but the last, which is the first of th
     2: ((0.0, 0.5), (1 / 3, 2 / 3)),
     3: ((0.0, (1 - 5**-0.5) / 2, (1 + 5**-0.5) / 2), (1 / 6, 5 / 12, 5 / 12)),
 }
-APART = 0.05  # from a node of the mesh, which is to lie on one side of the edge for sure
-STEEP = -0.68  # k below which, with degree 2, the place is one measured (docs/accuracy.md):
+OFF_NODE = 0.05  # from a node of the mesh, which is to lie on one side of the edge for sure
+STEEP_K = -0.68  # k below which, with degree 2, the place is one measured (docs/accuracy.md):
 MEASURED = (-0.9, -0.7), (0.6, 0.65)  # k, place
 TERMS = 12  # of the sum before the rest follows from the Euler-Maclaurin formula
 
@@ -47,9 +47,9 @@ def best_place(degree: int, k: float) -> float:
 
     Where traction ends nearly like a box, what is near the edge costs more than what is seen from afar.
     """
-    if degree == 2 and k < STEEP:
+    if degree == 2 and k < STEEP_K:
         return float(np.interp(k, *MEASURED))
-    t = np.linspace(APART, 1 - APART, 1000)
+    t = np.linspace(OFF_NODE, 1 - OFF_NODE, 1000)
     values = missed(degree, k, t)
     change = np.flatnonzero(values[1:] * values[:-1] < 0)
     gentle = change[np.argmin(np.abs(values[change + 1] - values[change]))]

@@ -15,10 +15,10 @@ from dolfinx.io import gmshio
 from forms.depth_map import DepthMap
 
 SURFACE, FAR, SYMMETRY, BODY = 1, 2, 3, 4  # physical groups
-APART = 1.4  # facets between edges that can both be placed: nearer ones stretch those between them too much
+PLACED_APART = 1.4  # facets between edges that can both be placed: nearer ones stretch those between them too much
 STOP_GROWTH = 1.8  # of columns beside a stop: its facets are few
 STRIP = 1.25  # half-width, over that of the contact, of the strip where contact is looked for
-ROUND_OFF = 1e-11  # over the extent of the domain: columns this symmetric are meant to be
+MIRRORED = 1e-11  # over the extent of the domain: columns this symmetric are meant to be
 
 
 @dataclass(frozen=True)
@@ -101,12 +101,12 @@ def columns(grading: Grading) -> np.ndarray:
         number = _placed(facets, len(grading.edges), grading.edge_at, even) * (count[-1] / even)
     found = np.interp(number, count, x)
     mirrored = (found - found[::-1]) / 2
-    return mirrored if np.abs(found - mirrored).max() <= ROUND_OFF * extent else found
+    return mirrored if np.abs(found - mirrored).max() <= MIRRORED * extent else found
 
 
 def _placed(edges, first: int, at: float, columns: int) -> np.ndarray:
     """Numbers (columns + 1,) from 0 to ``columns``, stretched so that ``edges`` lie ``at`` between two of them, counted
-    outwards; edges within APART of others stay where they are, those after the ``first`` ones for these.
+    outwards; edges within PLACED_APART of others stay where they are, those after the ``first`` ones for these.
     """
     middle = columns / 2
     kept = [(0.0, 0.0), (middle, middle), (float(columns), float(columns))]  # number of a node, and what becomes of it
@@ -114,7 +114,7 @@ def _placed(edges, first: int, at: float, columns: int) -> np.ndarray:
     for edge in sum(outer_first, []):
         side = np.sign(edge - middle)
         place = middle + side * (np.round(abs(edge - middle) - at) + at)
-        if all(min(abs(place - a), abs(edge - b)) > APART for a, b in kept):
+        if all(min(abs(place - a), abs(edge - b)) > PLACED_APART for a, b in kept):
             kept.append((place, edge))
     before, after = np.array(sorted(kept)).T
     return np.interp(np.arange(columns + 1.0), before, after)

@@ -10,6 +10,7 @@ from forms.contact import X, Y
 from .body import ElasticBody
 from .parallel import gathered
 
+SIDES = -1, 1  # left and right of the contact
 NO_CELLS = np.array([], dtype=np.int32)  # for dolfinx: the cells of the source are those of the target
 
 

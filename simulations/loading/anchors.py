@@ -18,9 +18,9 @@ from analytic.stuck_edge import StuckEdge
 from forms.contact import CLOSED, OPEN
 
 from ..fem.contact_problem import ContactProblem
-from ..fem.surface_points import AllPoints
+from ..fem.surface_points import SIDES, AllPoints
 from .approach import Approach, Ratio
-from .contact_points import BESIDE, SIDES, Surface, open_points
+from .contact_points import BESIDE, Surface, open_points
 from .stopped_points import StickCurves, without_kink
 
 PATIENT = 5  # solves after which edges of stick draw, though the ratios have not settled

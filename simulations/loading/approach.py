@@ -15,7 +15,8 @@ import numpy as np
 from analytic.stuck_edge import StuckEdge
 from forms.contact import OPEN
 
-from .contact_points import BESIDE, SIDES, Surface, edge_of_contact, open_points
+from ..fem.surface_points import SIDES
+from .contact_points import BESIDE, Surface, edge_of_contact, open_points
 
 # r is measured between two distances from the edge, in units of its motion in the step. The further out, the better a
 # wrong r is seen; the closer, the more it is the edge's own. Without coupling r is the same everywhere.

@@ -10,7 +10,8 @@ import numpy as np
 
 from forms.contact import CLOSED, OPEN
 
-from .contact_points import BESIDE, SAME, SIDES, Surface, edge_of_contact, leading
+from ..fem.surface_points import SIDES
+from .contact_points import BESIDE, SAME_NODE, Surface, edge_of_contact, leading
 
 CUT = 4  # points that reach over the facet which an edge of contact cuts
 OUT = 2  # points outside of that facet which are anchored with those that it reaches over
@@ -167,5 +168,5 @@ def without_kink(x, before: Surface, after: Surface, side: int, touch) -> np.nda
 def smooth(x, values, support: list | np.ndarray, at) -> np.ndarray:
     """At points ``at`` the polynomial through those ``values`` of points (n,) at x that ``support`` lists."""
     nodes = np.sort(x[support])
-    nodes = nodes[np.diff(nodes, prepend=-np.inf) > SAME]
+    nodes = nodes[np.diff(nodes, prepend=-np.inf) > SAME_NODE]
     return np.polynomial.Polynomial.fit(nodes, values[np.searchsorted(x, nodes)], len(nodes) - 1)(at)

@@ -54,7 +54,7 @@ def check(
         # tractions read off the fields: Newton's tolerance, and once more the round-off that makes it
         "load balance": Check(worst["load balance"], 10 * tolerance),
         "p >= 0": Check(worst["p >= 0"], 0.0),
-        "gap >= 0": Check(max(penetration(entry.surface, height) for entry in with_gap), OPEN),
+        "gap >= 0": Check(max(penetration(entry.surface, height) for entry in with_gap), PENETRATION),
         "pressure zigzags": Check(worst["pressure zigzags"], ZIGZAGS),
     }
     if history.friction:
@@ -145,13 +145,13 @@ def wrong_slip(before: SurfaceState, after: SurfaceState, mu: float, reach: floa
 
     The latter is that of the limit mu p and the largest motion at every point. A point sliding by less than Nitsche's
     method moves one that sticks may go the wrong way. reach: the largest motion of any step; one in which nothing
-    moves, as at a dwell, shows round-off only and is measured by SMALL of that.
+    moves, as at a dwell, shows round-off only and is measured by AT_REST of that.
     """
     limit = mu * after.pressure
     moved = after.relative_displacement - before.relative_displacement
     touches = (before.pressure > 0) & (after.pressure > 0)  # of points that enter contact only a part is slip
     work = np.where(at_limit(after, mu) & touches, -after.weight * after.traction * moved, 0.0)
-    most = after.line_load(limit) * max(largest_motion(before, after), SMALL * reach)
+    most = after.line_load(limit) * max(largest_motion(before, after), AT_REST * reach)
     return float(-work[work < 0].sum() / most) if most > 0 else 0.0
 
 
@@ -191,13 +191,13 @@ LARGE = (
     "solver.increments make errors smaller"
 )
 UNKNOWN = "the reference's own error is {:.0%}, which is too much to judge by; more solver.increments make it smaller"
-OPEN = 1e-3  # an open point is held by its traction, which is not quite zero
+PENETRATION = 1e-3  # an open point is held by its traction, which is not quite zero
 WRONG_SLIP = 1e-4  # of loops measured below 1e-6
 AGAINST = (
     "slip goes against q most in load step {}: where points stop within a load step may be known too badly there; "
     "another number of solver.increments changes that"
 )
-SMALL = 1e-3  # motion over the largest below which a load step moves nothing
+AT_REST = 1e-3  # motion over the largest below which a load step moves nothing
 ZIGZAGS = 0.05  # of the range; loops at k = 0.3 have less than 0.003, the coupled one at k = -0.5 on coarse facets 0.04
 MEASURES = {
     "load balance": imbalance,

@@ -15,16 +15,16 @@ from ..scene.scaling import Scaled
 from .limits import expected_error, size_for
 
 NODES = 80  # of the half-plane solver: edges to a few 1e-3 of the half-width
-APART = 0.005  # edges closer than this (over the half-width) are one
+ONE_EDGE = 0.005  # edges closer than this (over the half-width) are one
 FACETS = 3  # from a stop to the next, so that both can be placed in theirs
 SAMPLES = 200  # of q, for its norm
 MOST = 30  # edges on either side
 FINER_WITH_COUPLING = 3.0  # facets on the way of the edges of stick, where stops are not known
-EARLY, BESIDE = 3.0, 0.1  # finer where the edge of stick stops first, when q is small; so much further inside
+EARLY, FURTHER_INSIDE = 3.0, 0.1  # finer where the edge of stick stops first, when q is small; so much further inside
 FINEST = 4.0  # the finest on that way with coupling, which k < -0.3 comes to: more takes minutes
 AT_STOPS = 2.0, 0.8  # error of q at k < 0 on the way of the edges of stick, without coupling and with it
 ON_THE_WAY = 0.07, 0.15  # error of p on the contact's way, k >= 0 and k < 0, over that of ``facet`` and k = 0
-LONGEST = 300  # facets on either side of the contact's way: its length is half the contact's where mu is above 1
+FACETS_OF_WAY = 300  # facets on either side of the contact's way: its length is half the contact's where mu is above 1
 STOP = 2.0, 4.0  # error of q that a stop may cost (limits.expected_error) over facet², for k >= 0 and k < 0
 TURNED = 2.0  # where slip has turned, q changes by 2 mu p
 FIRST = 3  # facets, either side, in the contact of the first load step with friction
@@ -77,13 +77,13 @@ class ExpectedEdges:
         ways = []
         if self.stick_way and steep < facet:
             ways.append((*self.stick_way, max(steep, edge_facet)))
-        if self.early and self.contact_way and self.early - BESIDE < self.contact_way[0]:
-            ways.append((self.early - BESIDE, self.contact_way[0], max(steep / EARLY, edge_facet)))
+        if self.early and self.contact_way and self.early - FURTHER_INSIDE < self.contact_way[0]:
+            ways.append((self.early - FURTHER_INSIDE, self.contact_way[0], max(steep / EARLY, edge_facet)))
         if self.contact_way:
             size = min(size_for(ON_THE_WAY[k < 0] * expected_error(0.0, facet), k), facet / 2)
             if k < 0:
                 size = max(size, edge_facet**0.9 * facet**0.1)
-            size = max(size, (self.contact_way[1] - self.contact_way[0]) / LONGEST)
+            size = max(size, (self.contact_way[1] - self.contact_way[0]) / FACETS_OF_WAY)
             ways.append((*self.contact_way, max(size, edge_facet)))
         error = STOP[k < 0] * facet**2  # that of the smooth part of q falls like this too
         for stop in self.stops:
@@ -184,7 +184,7 @@ def several(edges) -> tuple[float, ...]:
     """Their distances from the middle, each once: the widest, to which contact reaches, and the first of the others."""
     edges = np.abs(edges)
     edges = edges[np.isfinite(edges)]
-    return distinct([edges.max(), *edges], APART)[:MOST]
+    return distinct([edges.max(), *edges], ONE_EDGE)[:MOST]
 
 
 def distinct(values, apart: float) -> tuple[float, ...]:

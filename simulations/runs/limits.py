@@ -14,7 +14,7 @@ from ..scene import SceneError, shown
 from ..scene.output import NORMAL
 from ..scene.steepness import steepness_warning
 from ..scene.tables import ExponentialCoating, LinearCoating, PowerLawCoating
-from ..solvers.newton import ATTAINABLE, FORCE_TOLERANCE, ROUND_OFF
+from ..solvers.newton import ATTAINABLE, FORCE_TOLERANCE, OVER_ROUND_OFF
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -30,9 +30,9 @@ MOST_UNKNOWNS = 1_000_000  # some minutes, and 3 GB in the factorisation
 MOST_MATRIX = 4.0  # GB in the dense matrices of the condensed method
 NARROWEST = 3.0  # slip zone over edge_facet: there the energy is off by 5 %, with 1 by 30 %, with 0.2 by 180 %
 NARROWEST_STICK = 5.0  # c over edge_facet: there c is off by 3 %, with 4 by 20 %, with 1 it is lost
-STEEPEST = 0.1  # estimated relative error of the traction from its steep ends alone
+ERROR_OF_ENDS = 0.1  # estimated relative error of the traction from its steep ends alone
 LOWEST = 0.05  # the first layer's lowest Gauss point, over its height: 0.07 and more
-SMALLEST = -300.0  # decimal logarithm of the smallest ordinary number is -307.7
+LOWEST_EXPONENT = -300.0  # decimal logarithm of the smallest ordinary number is -307.7
 STABLE_GAMMA0 = 0.3  # below it the active set cycles (0.2 at k = 0) or fails (0.1 at k = 0.3), unless theta = -1
 
 
@@ -51,7 +51,7 @@ def check_depth(scene: Scene, cells: Grading):
 
     def underflows(k):
         first = (cells.first_layer / (cells.layer_growth - 1)) ** (1 - k) * expm1((1 - k) * log(cells.layer_growth))
-        return k / (1 - k) * log10(LOWEST * first) < SMALLEST
+        return k / (1 - k) * log10(LOWEST * first) < LOWEST_EXPONENT
 
     allowed = scene.k
     while allowed > 0 and underflows(allowed):
@@ -118,11 +118,11 @@ def check_resolution(scene: Scene, cells: Grading, loop: FrettingLoop | None):
     if scene.k >= 0:
         return
     name, size = max(("edge_facet", facet), ("first_layer", cells.first_layer), key=lambda entry: entry[1])
-    needed = size_for(STEEPEST, scene.k)
+    needed = size_for(ERROR_OF_ENDS, scene.k)
     if size > needed:
         raise SceneError(
             f"mesh.{name} = {size:g} is too coarse for k = {scene.k:g}: tractions that end so steeply would be off by "
-            f"about {expected_error(scene.k, size):.0%}; {_digit(needed):g} or less keeps that below {STEEPEST:.0%}"
+            f"about {expected_error(scene.k, size):.0%}; {_digit(needed):g} or less keeps that below {ERROR_OF_ENDS:.0%}"
         )
 
 
@@ -158,7 +158,7 @@ def check_round_off(scene: Scene, cells: Grading, problem: ContactProblem):
 
     Displacements are of order one, in P/E(a).
     """
-    attainable = ROUND_OFF * problem.terms.force_per_digit
+    attainable = OVER_ROUND_OFF * problem.terms.force_per_digit
     if attainable > ATTAINABLE:
         thicker = cells.first_layer * (attainable / ATTAINABLE) ** (1 / (1 - min(scene.k, 0.0)))
         raise SceneError(

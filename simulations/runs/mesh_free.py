@@ -19,9 +19,9 @@ from .springs import last_cycle
 Tell = Callable[[int, int], None]  # load steps done, and all of them
 NODES = (400, 300)  # the next number is tried where one does not converge
 FINER = 2  # load steps of the reference for one of the run: what depends on the steps is not shared
-LEAST = 8  # load steps from point to point of a path: with fewer the error does not yet fall like the step
+STEPS_TO_POINT = 8  # load steps from point to point of a path: with fewer the error does not yet fall like the step
 FEWER_NODES = (200, 150)  # with more load steps: their error is then what counts, and a load step costs a fifth
-COARSER = 0.75  # nodes for one, and half of the load steps, for an estimate of the reference's error
+SHARE_OF_NODES = 0.75  # nodes for one, and half of the load steps, for an estimate of the reference's error
 
 
 class NoReference(RuntimeError):
@@ -73,7 +73,7 @@ class MeshFree:
         self.coarser = self._coarser(simulation, nodes) if estimated else None
 
     def _coarser(self, simulation, nodes):
-        fewer = tuple(int(COARSER * count) for count in nodes if count <= self.nodes)
+        fewer = tuple(int(SHARE_OF_NODES * count) for count in nodes if count <= self.nodes)
         try:
             return MeshFree(simulation, nodes=fewer, finer=self.finer // 2)
         except NoReference as failure:
@@ -125,7 +125,7 @@ class MeshFree:
 def steps_for_one(simulation: Simulation) -> int:
     """Load steps of the reference for one of the simulation."""
     scene = simulation.scene
-    return max(FINER, -(-LEAST // scene.solver.increments)) if scene.is_path else FINER
+    return max(FINER, -(-STEPS_TO_POINT // scene.solver.increments)) if scene.is_path else FINER
 
 
 def refined(schedule: list[LoadStep], friction_first: bool, finer: int) -> tuple[list[Load], list[int]]:

@@ -19,7 +19,7 @@ from .timing import Stopwatch
 # aside (k = -0.3: 5e-4 in slip and energy): it is prescribed that much further away. What a line aside adds decays like
 # distance^-(1+k), so that coupled scenes with k < 0 want more (k = -0.5, slip: 5e-4 at 100 a, 2e-4 at 200 a).
 FARTHER = 5.0
-STEEPEST = 1.43  # of the exponents 1/(1+k) that FARTHER gets: beyond 200 a tractions zigzag at k = -0.9
+LARGEST_POWER = 1.43  # of the exponents 1/(1+k) that FARTHER gets: beyond 200 a tractions zigzag at k = -0.9
 ROUGH_QUARTER = 2  # load steps per Q_A of the rough solution that finds edges under bulk strain
 
 
@@ -59,7 +59,7 @@ class Plan:
         if not scene.is_power_law:
             return scene.mesh.extent * FARTHER * max(1.0, self.scaled.modulus.thickness)
         if "coupling" in self.effects and not scene.is_decoupled:
-            return scene.mesh.extent * FARTHER ** min(max(1.0, 1.0 / (1.0 + scene.k)), STEEPEST)
+            return scene.mesh.extent * FARTHER ** min(max(1.0, 1.0 / (1.0 + scene.k)), LARGEST_POWER)
         return scene.mesh.extent * (FARTHER if "bulk strain" in self.effects else 1.0)
 
     def grading(self) -> Grading:

@@ -10,7 +10,7 @@ from .limits import check_depth, check_resolution
 from .plan import Plan
 
 SIZES = ("facet", "edge_facet", "growth", "first_layer", "layer_growth", "extent", "edge_at")
-COARSER = 1.01  # facets at an edge over those that a mesh of its own would have there
+LARGER_FACETS = 1.01  # facets at an edge over those that a mesh of its own would have there
 
 
 class Meshed(Plan):
@@ -48,7 +48,7 @@ def why_not(previous: Meshed, new: Plan) -> str | None:
     if wanted.strip > have.strip:
         return f"the contact is looked for on |x| < {wanted.strip:.3g} a, not {have.strip:.3g} a"
     places = np.array([*wanted.edges, *(x for left, right, _ in wanted.sweeps for x in np.linspace(left, right, 101))])
-    coarse = places[have.facet_size(places) > COARSER * wanted.facet_size(places)]
+    coarse = places[have.facet_size(places) > LARGER_FACETS * wanted.facet_size(places)]
     if coarse.size:
         return f"its mesh is too coarse where contact or stick may end, at x = {np.abs(coarse).max():.3g} a"
     try:

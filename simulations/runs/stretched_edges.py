@@ -11,7 +11,7 @@ from ..scene.scaling import Scaled
 from .expected_edges import NODES, SAMPLES, TURNED, ExpectedEdges, half_plane_solver, several, stops_at
 from .limits import NARROWEST
 
-FINER = 6.0  # facets on the ways of the edges of stick where these are not known exactly
+FINER_FACETS = 6.0  # facets on the ways of the edges of stick where these are not known exactly
 
 
 def exact_edges(loop: StretchedLoop, loads: list[Load]) -> ExpectedEdges:
@@ -53,7 +53,7 @@ def rough_edges(scene: Scene, scaled: Scaled, effects: Effects, loads: list[Load
     sticks = np.array([state.stick for state in states if state.Q or state.strain])
     crossed = (sticks[:, 0].max() > 0) or (sticks[:, 1].min() < 0)  # the middle
     stick_way = 0.0 if crossed else float(np.abs(sticks).min()), float(contact.max())
-    return ExpectedEdges(edges, contact_way=way, stick_way=stick_way, fineness=FINER)
+    return ExpectedEdges(edges, contact_way=way, stick_way=stick_way, fineness=FINER_FACETS)
 
 
 def _check_stick(scene, state):

@@ -8,7 +8,7 @@ from .simulation import Simulation
 
 OTHER_METHOD = "solver.theta = 0 or a larger solver.gamma0 may help"
 PLACES = 12  # of a sliver on the mesh
-LARGEST = 400  # surface nodes in contact for which the mesh's own bound is looked for
+MOST_NODES = 400  # surface nodes in contact for which the mesh's own bound is looked for
 
 
 def critical_of_mesh(simulation: Simulation) -> float | None:
@@ -21,7 +21,7 @@ def critical_of_mesh(simulation: Simulation) -> float | None:
     if simulation.body.mesh.comm.rank:
         return None
     closed = simulation.history.entries[-1].surface.pressure > 0
-    is_small = 3 <= closed.sum() <= LARGEST
+    is_small = 3 <= closed.sum() <= MOST_NODES
     if "coupling" not in simulation.effects or not isinstance(system, CondensedSystem) or not is_small:
         return None
     compliance, m = system.compliance.nodal(closed), int(closed.sum())

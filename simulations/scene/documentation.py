@@ -11,7 +11,7 @@ from typing import Any, Literal, get_args, get_origin
 
 from annotated_types import Ge, Gt, Le, Lt
 
-from .fields import LONGEST, ListOf, Word, allowed, alternatives, unit
+from .fields import LONGEST_TEXT, ListOf, Word, allowed, alternatives, unit
 from .scene import Scene
 from .table import KINDS, Table, fields
 from .tables import ONE_OF_TWO
@@ -76,7 +76,7 @@ def _option(base, marks) -> dict[str, Any]:
     if base is bool:
         return {"type": "boolean"}
     if base is str:
-        return {"type": "string", "maxLength": LONGEST}
+        return {"type": "string", "maxLength": LONGEST_TEXT}
     if base in (int, float):
         option: dict[str, Any] = {"type": "integer" if base is int else "number"}
         bounds = {Gt: "exclusiveMinimum", Ge: "minimum", Lt: "exclusiveMaximum", Le: "maximum"}

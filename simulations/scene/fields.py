@@ -15,9 +15,9 @@ from annotated_types import Ge, Gt, Le, Lt
 from pydantic import BeforeValidator, Field
 from pydantic.fields import FieldInfo
 
-LONGEST = 1000  # characters of a text
+LONGEST_TEXT = 1000  # characters of a text
 MOST_ON_A_LINE = 10_000  # points
-LARGEST = 1e308  # of a number: beyond it sums overflow
+LARGEST_NUMBER = 1e308  # of a number: beyond it sums overflow
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,8 @@ def plain(value):
 
 def is_number(value) -> bool:
     """True for finite numbers that a float holds."""
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) < LARGEST and isfinite(value)
+    is_real = isinstance(value, (int, float)) and not isinstance(value, bool)
+    return is_real and abs(value) < LARGEST_NUMBER and isfinite(value)
 
 
 def _number(value) -> float:
@@ -75,7 +76,7 @@ def _truth(value) -> bool:
 
 
 def _text(value) -> str:
-    if not (isinstance(value, str) and value.isprintable() and len(value) <= LONGEST):
+    if not (isinstance(value, str) and value.isprintable() and len(value) <= LONGEST_TEXT):
         raise ValueError("not a text in one line")
     return str(value)
 
@@ -196,7 +197,7 @@ def _in_words(base, marks) -> Iterator[str]:
     elif base is bool:
         yield "true or false"
     elif base is str:
-        yield f"a text in one line of at most {LONGEST} characters"
+        yield f"a text in one line of at most {LONGEST_TEXT} characters"
     elif base in (int, float):
         yield ("an integer" if base is int else "a number") + _range(marks)
     else:

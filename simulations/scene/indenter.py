@@ -21,7 +21,7 @@ from .tables import AnyIndenter, Circle, Formula, Parabola, Power
 DISTANCE = sympy.Symbol("x", nonnegative=True)  # |x| - flat >= 0
 FUNCTIONS = ("sqrt", "exp", "log", "sin", "cos", "tan", "sinh", "cosh", "tanh")
 NAMES = ("x", "R", "pi")
-LONGEST = 500  # characters of a formula
+LONGEST_FORMULA = 500  # characters of a formula
 OPERATIONS: dict[type, Callable] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
@@ -132,8 +132,8 @@ def read_formula(key: str, text: str, R: float | None) -> sympy.Expr:
     names = NAMES if R else tuple(name for name in NAMES if name != "R")
     allowed = f"arithmetic with {', '.join(names)} and {', '.join(FUNCTIONS)}"
     try:
-        if len(text) > LONGEST:
-            raise SceneError(f"{key} = {shown(text)} is not allowed: at most {LONGEST} characters")
+        if len(text) > LONGEST_FORMULA:
+            raise SceneError(f"{key} = {shown(text)} is not allowed: at most {LONGEST_FORMULA} characters")
         tree = ast.parse(text.strip(), mode="eval")
         if not all(_is_arithmetic(node, names) for node in ast.walk(tree)):
             raise SceneError(f"{key} = {shown(text)} is not allowed: {allowed}")

@@ -9,7 +9,7 @@ from analytic import CylinderContact, GradedHalfPlane, ProfileContact, Stretched
 
 from . import solid as solids
 from .errors import SceneError, shown
-from .fields import LONGEST, Text
+from .fields import LONGEST_TEXT, Text
 from .indenter import Shape, named, shape_of
 from .output import Output
 from .resolve import fitting, half_width_on_homogeneous, typed_tables
@@ -47,7 +47,7 @@ class Scene(BaseModel):
             try:
                 super().__init__(title=title, **typed_tables(given))
             except ValidationError:  # the tables are checked
-                text = f"a text in one line of at most {LONGEST} characters"
+                text = f"a text in one line of at most {LONGEST_TEXT} characters"
                 raise SceneError(f"title = {shown(title)} is not allowed: {text}") from None
 
     def __getstate__(self):  # what it has worked out stays behind

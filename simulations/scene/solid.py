@@ -11,7 +11,7 @@ from forms import modulus as forms
 from .indenter import Shape
 from .tables import AnySolid, ExponentialCoating, Homogeneous, PowerLaw, PowerLawCoating
 
-SMALLEST, LARGEST = 1e-4, 8.0  # distances, over the half-width, between which a kernel is wanted
+KERNEL_FROM, KERNEL_TO = 1e-4, 8.0  # distances, over the half-width, between which a kernel is wanted
 
 
 def is_holl_ratio(nu: float, k: float) -> bool:
@@ -94,4 +94,4 @@ def _resolved(length: float | None) -> float:
 
 def layered_kernel(law: forms.Modulus, solid: GradedHalfPlane) -> LayeredKernel:
     """What the half-plane solver takes for a coated solid, in scaled units; ``solid`` is that of the surface."""
-    return LayeredKernel(law.young, solid, law.thickness, SMALLEST * min(1.0, law.thickness), LARGEST)
+    return LayeredKernel(law.young, solid, law.thickness, KERNEL_FROM * min(1.0, law.thickness), KERNEL_TO)

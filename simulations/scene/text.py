@@ -9,14 +9,14 @@ from typing import Any
 
 from .errors import SceneError, one_line, shown
 
-LARGEST = 10_000_000  # bytes of a file
+LARGEST_FILE = 10_000_000  # bytes of a file
 
 
 def read_text(path: Path, what: str) -> str:
     """Text of a file; SceneError, which calls it ``what``, where it cannot be read."""
     try:
-        if path.exists() and not path.is_dir() and not (path.is_file() and path.stat().st_size <= LARGEST):
-            raise SceneError(f"{what} {shown(path)} cannot be read: not a text file of at most {LARGEST} bytes")
+        if path.exists() and not path.is_dir() and not (path.is_file() and path.stat().st_size <= LARGEST_FILE):
+            raise SceneError(f"{what} {shown(path)} cannot be read: not a text file of at most {LARGEST_FILE} bytes")
         return path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError:
         raise SceneError(f"{what} {shown(path)} cannot be read: it is not even text") from None

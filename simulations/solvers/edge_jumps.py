@@ -18,10 +18,9 @@ from forms.contact import BACKWARD, CLOSED, DRIVEN_BACKWARD, DRIVEN_FORWARD, FOR
 
 from ..fem.contact_problem import ContactProblem, Y
 from ..fem.load import Load
-from ..fem.surface_points import AllPoints
+from ..fem.surface_points import SIDES, AllPoints
 
-SIDES = -1, 1  # left, right
-LEAST = 2  # points between the edge of one iterate and the next for which it is done
+LEAST_JUMP = 2  # points between the edge of one iterate and the next for which it is done
 ISLAND = 0.1  # share of the points that stick: fewer beside each other are no zone of stick, but still to slide
 NARROWED = 0.5  # of the stick zone or the contact that Coulomb's law would leave: it does not become narrower
 
@@ -121,7 +120,7 @@ class EdgeJumps:
     def _moved(self, used, law, side):
         """Where the edge is, from those of the last step's states and of the next ones by Coulomb's law."""
         low, high = sorted((used, law))
-        if np.count_nonzero((self._x > low) & (self._x < high)) < LEAST:
+        if np.count_nonzero((self._x > low) & (self._x < high)) < LEAST_JUMP:
             return law
         outwards = side * (law - used)
         return used + side * outwards * (self._outwards if outwards > 0 else self._inwards)

@@ -30,7 +30,7 @@ BULK_OPTIONS = {
 }
 PREFIX, BULK_PREFIX = "fretting_", "fretting_bulk_"
 FORCE_TOLERANCE = 1e-9  # force residual and load imbalance / P, where round-off lets them get there
-ROUND_OFF = 4.0  # residuals are balanced this many times above the last digits' own, measured for k from -0.9 to 0
+OVER_ROUND_OFF = 4.0  # residuals are balanced this many times above the last digits' own, measured for k from -0.9 to 0
 SETTLED = 1e-11  # force residual / P above which a balanced state gets one more step: what is left of a long first one;
 # above round-off where contact states are at rest
 PATH = "path_max_it", 400  # option: steps at most of a path on which contact states change one by one
@@ -231,7 +231,7 @@ class Newton:
         self.system.problem.body.stretch(load.strain)
         self.system.begin(load, self.x)
         self._round_off = self.system.problem.terms.round_off() / self._scale
-        self._tolerance = min(max(self._wanted, ROUND_OFF * self._round_off), ATTAINABLE)
+        self._tolerance = min(max(self._wanted, OVER_ROUND_OFF * self._round_off), ATTAINABLE)
 
     def _balanced(self):
         force, imbalance = self._norms
@@ -288,7 +288,7 @@ class Newton:
             return reason.DIVERGED_FNORM_NAN
         last = iteration >= snes.getTolerances()[3]
         if self._balanced():
-            settled = max(SETTLED, ROUND_OFF * self._round_off) if self._changes[-1:] == [0] else SETTLED
+            settled = max(SETTLED, OVER_ROUND_OFF * self._round_off) if self._changes[-1:] == [0] else SETTLED
             if force <= settled or iteration == 0 or last or self._polished:
                 return reason.CONVERGED_FNORM_ABS
             self._polished = True

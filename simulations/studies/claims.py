@@ -7,7 +7,7 @@ from ..output.files import write_text
 from .commandline import make_folders, study_parser
 from .engine import workers
 from .paper.claim import minus_signs, table
-from .paper.claims_coupling import SMALL, coupling_claims, cycle_claims, difference, difference_table, differences
+from .paper.claims_coupling import AGREES_WELL, coupling_claims, cycle_claims, difference, difference_table, differences
 from .paper.claims_theory import theory_claims
 from .paper.comparisons import COUPLED
 from .paper.elements import Runs
@@ -24,7 +24,7 @@ decide. Made by
     python -m simulations.studies.claims --page docs/claims.md
 
 The paper gives no ν for Figures 4–9 and no μ: ν = {NU:g} and μ = {MU:g} unless said otherwise. "Well", "minor",
-"marginal" and "can be neglected" are taken as a difference of at most {SMALL:.0%}.
+"marginal" and "can be neglected" are taken as a difference of at most {AGREES_WELL:.0%}.
 
 ## By the closed forms, and through the cycle
 

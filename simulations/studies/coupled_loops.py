@@ -30,7 +30,7 @@ from .store import Store
 
 K, NU = (-0.5, -0.3, 0.0, 0.3, 0.5, 0.7), (0.0, 0.2, 0.4, 0.495)
 FRICTION, AMPLITUDE = (0.3, 0.1, 0.6, 1.0), (0.6, 0.95, 0.3)
-BESIDE = (0.2, 0.3, 0.95), (0.4, 0.6, 0.6)  # ν, μ and Q_A/μP, for every k, with finite elements beside
+WITH_ELEMENTS = (0.2, 0.3, 0.95), (0.4, 0.6, 0.6)  # ν, μ and Q_A/μP, for every k, with finite elements beside
 WAY = (0.5, 1.0, 0.5, 0.0, -0.5, -1.0, -0.5, 0.0, 0.5, 1.0)  # Q over Q_A
 KINDS = ("reference", "elements")
 DIFFERENCES = ("pressure", "traction", "stick", "energy")  # of two orders of the basis
@@ -42,7 +42,7 @@ def cases(kinds=KINDS) -> list[Row]:
     """Values of every run."""
     grid = itertools.product(FRICTION, AMPLITUDE, NU, K)
     loops = [(k, nu, mu, share, KINDS[0]) for mu, share, nu, k in grid]
-    loops += [(k, *case, KINDS[1]) for case in BESIDE for k in K]
+    loops += [(k, *case, KINDS[1]) for case in WITH_ELEMENTS for k in K]
     return [dict(zip(("k", "nu", "mu", "share", "kind"), loop)) for loop in loops if loop[-1] in kinds]
 
 

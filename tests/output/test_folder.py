@@ -205,7 +205,7 @@ def test_a_folder_that_disappears(tmp_path, monkeypatch):
 @pytest.mark.parametrize("ranks", [1, 2])
 def test_checks_that_fail_are_a_failure(tmp_path, ranks):
     """An exit code of its own, said under --quiet too; the results are there, and their summary says so."""
-    code = "import simulations.runs.checks as c; c.OPEN = -1.0; from simulations.command.command import run; "
+    code = "import simulations.runs.checks as c; c.PENETRATION = -1.0; from simulations.command.command import run; "
     code += f"import sys; sys.argv = ['x', *{arguments(tmp_path / 'run')!r}]; "
     code += "from simulations.fretting import main; run(main)"
     words = [sys.executable, "-c", code]

@@ -8,7 +8,7 @@ from simulations.fem.mesh import Grading, columns
 from simulations.fem.surface import fitted_contact_edges, fitted_stick_edges
 from simulations.runs import coupled_loop
 from simulations.runs.coupled_loop import grades, loop_of, states_of
-from simulations.runs.expected_edges import LONGEST, Stop, stops_at
+from simulations.runs.expected_edges import FACETS_OF_WAY, Stop, stops_at
 from simulations.runs.limits import check_size
 from simulations.runs.plan import Plan
 from simulations.runs.simulation import Simulation
@@ -26,7 +26,7 @@ def test_a_default_mesh_fits_however_far_the_contact_goes():
     friction = "load.mu=3", "load.amplitude=0.8", "effects.coupling=true"
     made = plan("solid.k=-0.7", "solid.nu=-0.3", *friction)
     x = columns(made.grading())
-    assert len(x) < 10 * LONGEST
+    assert len(x) < 10 * FACETS_OF_WAY
     check_size(made.scene, made.grading(), len(x), 50)
 
 

@@ -3,7 +3,7 @@
 import pytest
 from running import ROOT
 
-from simulations.studies.paper.claim import FAILS, HOLDS, IN_PART, OPEN, minus_signs
+from simulations.studies.paper.claim import FAILS, HOLDS, IN_PART, UNCHECKED, minus_signs
 from simulations.studies.paper.claims_coupling import (
     TABLE_NU,
     cycle_claims,
@@ -33,7 +33,7 @@ def test_cycle_rows_of_the_page():
 
 def test_verdicts():
     verdicts = {claim.sentence: claim.verdict for claim in theory_claims()}
-    assert set(verdicts.values()) == {HOLDS, IN_PART, FAILS, OPEN}
+    assert set(verdicts.values()) == {HOLDS, IN_PART, FAILS, UNCHECKED}
     (softer,) = [verdict for sentence, verdict in verdicts.items() if "more softly" in sentence]
     assert softer == FAILS  # k > 0 stiffens with depth, E ~ y^k
     assert memory().verdict == HOLDS

@@ -155,7 +155,7 @@ def test_steps_are_refined(monkeypatch):
 
     refined = needed()
     assert refined <= 15
-    monkeypatch.setattr(tangent, "EXACT", (np.inf, np.inf))
+    monkeypatch.setattr(tangent, "REFINED", (np.inf, np.inf))
     assert needed() > 3 * refined
 
 

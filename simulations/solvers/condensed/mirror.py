@@ -13,7 +13,7 @@ from scipy.sparse import csr_matrix
 from ...fem.body import ElasticBody, X, Y
 from ...fem.parallel import gathered
 
-SAME = 1e-11  # positions closer than this (over the extent of the mesh) are the same
+SAME_POSITION = 1e-11  # positions closer than this (over the extent of the mesh) are the same
 EVEN, ODD = 1.0, -1.0
 NONE = np.array([], dtype=int)
 
@@ -77,7 +77,7 @@ def parts(body: ElasticBody) -> list[Part]:
     rows, row = _levels(position[:, 1])
     whole = Part(np.arange(len(parity)))
     asymmetry = np.abs(columns + columns[::-1]).max()
-    if body.is_half or len(columns) % 2 == 0 or asymmetry > SAME * np.abs(columns).max():
+    if body.is_half or len(columns) % 2 == 0 or asymmetry > SAME_POSITION * np.abs(columns).max():
         return [whole]
     number = np.full((kind.max() + 1, len(columns), len(rows)), -1)
     number[kind, column, row] = np.arange(len(parity))
@@ -110,7 +110,7 @@ def _positions(body):
 def _levels(values):
     """Distinct ``values`` (m,), equal up to round-off, and for each of them its level (n,)."""
     ordered = np.sort(values)
-    new = np.diff(ordered) > SAME * np.abs(ordered).max()
+    new = np.diff(ordered) > SAME_POSITION * np.abs(ordered).max()
     lowest = ordered[np.concatenate([[True], new])]
     return lowest, np.searchsorted(lowest, values, side="right") - 1
 

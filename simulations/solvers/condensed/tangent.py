@@ -19,9 +19,9 @@ from .matrix import ComplianceMatrix
 FEW = 0.15  # share of rows that change otherwise before another matrix is inverted
 MANY = 0.15  # share of rows that change before the inverse takes up those replaced so far,
 FEWER = 0.5  # if that leaves less than this share of them
-EXACT = 1e-10, 1e-7  # residual of a step, over the load and over what it is to balance, beyond which it is refined
+REFINED = 1e-10, 1e-7  # residual of a step, over the load and over what it is to balance, beyond which it is refined
 SOLVED = 1e-6  # relative residual of a step that is worth taking
-SAME = 1e-13  # relative: rows this close to proportional are
+PROPORTIONAL = 1e-13  # relative: rows this close to proportional are
 
 
 @dataclass
@@ -137,7 +137,7 @@ class DenseTangent:
             return b, np.inf
         x = self._solve(b)
         residual, defect = self._residual(x, b)
-        if defect < np.inf and np.abs(residual).max() > min(EXACT[0] * load, EXACT[1] * np.abs(b).max()):
+        if defect < np.inf and np.abs(residual).max() > min(REFINED[0] * load, REFINED[1] * np.abs(b).max()):
             x = x + self._solve(residual)
             _, defect = self._residual(x, b)
         return x, defect
@@ -176,7 +176,7 @@ class DenseTangent:
             norm = np.add.reduceat(into * into, first)
             ratio[:n] = np.add.reduceat(along * into, first) / np.where(norm > 0, norm, 1.0)
             defect = np.maximum.reduceat(np.abs(along - np.repeat(ratio[:n], length) * into), first)
-            sliding[:n] = ~free[:n] & (defect <= SAME * size[:n])
+            sliding[:n] = ~free[:n] & (defect <= PROPORTIONAL * size[:n])
         return free, sliding, ratio
 
     def _known_rows(self, tangent, rows):

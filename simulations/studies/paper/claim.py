@@ -3,7 +3,7 @@
 import re
 from dataclasses import dataclass, field
 
-HOLDS, IN_PART, FAILS, OPEN = "holds", "holds in part", "does not hold", "not checked"
+HOLDS, IN_PART, FAILS, UNCHECKED = "holds", "holds in part", "does not hold", "not checked"
 
 
 @dataclass(frozen=True)

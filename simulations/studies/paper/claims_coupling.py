@@ -17,7 +17,7 @@ from .comparisons import COUPLED, DEPTH, HOLL, NEGATIVE, Pair, theory
 from .elements import Runs, closed_field
 from .setting import AMPLITUDE, MU, STATES, contact
 
-SMALL = 0.05  # relative difference up to which a field counts as agreeing well
+AGREES_WELL = 0.05  # relative difference up to which a field counts as agreeing well
 PARABOLA = PowerProfile(0.5, 2)  # f = x²/(2R) with R = 1
 STEPS = 2001  # of the load, for the integral over a cycle
 TABLE_K = (-0.5, -0.3, -0.1, 0.0, 0.3, 0.5)
@@ -179,13 +179,13 @@ def coupling_claims(runs: Runs, found: list[Difference]) -> list[Claim]:
     negative, coupled = at[NEGATIVE.k, NEGATIVE.nu], at[COUPLED.k, COUPLED.nu]
     low, high = min(states[NEGATIVE].values()), max(states[NEGATIVE].values())
     known = [d for d in found if not np.isnan(d.slip)]
-    small = [d for d in known if max(d.slip, d.traction, abs(d.energy)) <= SMALL]
+    small = [d for d in known if max(d.slip, d.traction, abs(d.energy)) <= AGREES_WELL]
     worst = max(known, key=lambda d: d.slip)
     return [
         Claim(
             "4",
             "The coupling effects are often so small that they can be neglected",
-            f"slip, traction and energy all within {SMALL:.0%} at {len(small)} of the {len(known)} points below; "
+            f"slip, traction and energy all within {AGREES_WELL:.0%} at {len(small)} of the {len(known)} points below; "
             f"at k = {worst.k:g}, ν = {worst.nu:g} slip is off by {worst.slip:.0%}, energy by {worst.energy:+.0%}",
             verdict(len(small) == len(known), bool(small)),
             {"small": float(len(small)), "known": float(len(known))},
@@ -195,7 +195,7 @@ def coupling_claims(runs: Runs, found: list[Difference]) -> list[Claim]:
             "k = −0.1, ν = 0.495: results agree well; coupling can be neglected in this case",
             f"slip: L2 difference {slip[NEGATIVE]:.1%} (mesh-free {negative.slip:.1%}), "
             f"traction {negative.traction:.1%}, energy {negative.energy:+.1%}",
-            verdict(max(slip[NEGATIVE], negative.traction, abs(negative.energy)) <= SMALL),
+            verdict(max(slip[NEGATIVE], negative.traction, abs(negative.energy)) <= AGREES_WELL),
             {"finite elements": slip[NEGATIVE], "mesh-free": negative.slip, "energy": negative.energy},
         ),
         Claim(
@@ -210,14 +210,14 @@ def coupling_claims(runs: Runs, found: list[Difference]) -> list[Claim]:
             "k = 0.3, ν = 0.3: only marginal deviations due to coupling",
             f"slip: L2 difference {slip[COUPLED]:.1%} (mesh-free {coupled.slip:.1%}), traction {coupled.traction:.1%}, "
             f"energy {coupled.energy:+.1%}",
-            verdict(max(slip[COUPLED], coupled.traction, abs(coupled.energy)) <= SMALL),
+            verdict(max(slip[COUPLED], coupled.traction, abs(coupled.energy)) <= AGREES_WELL),
             {"finite elements": slip[COUPLED], "mesh-free": coupled.slip, "energy": coupled.energy},
         ),
         Claim(
             "5.3, Fig. 11a",
             "k = −0.1, ν = 0.495: traction shows only minor deviations",
             "L2 difference " + ", ".join(f"{state} {d:.1%}" for state, d in states[NEGATIVE].items()),
-            verdict(high <= SMALL, low <= SMALL),
+            verdict(high <= AGREES_WELL, low <= AGREES_WELL),
             states[NEGATIVE],
         ),
         Claim(

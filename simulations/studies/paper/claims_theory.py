@@ -6,7 +6,7 @@ import numpy as np
 from scipy.integrate import quad
 from scipy.optimize import minimize_scalar
 
-from .claim import FAILS, OPEN, Claim, verdict
+from .claim import FAILS, UNCHECKED, Claim, verdict
 from .energies import curve
 from .setting import DEPTHS, MU, NU, SHARES, contact
 
@@ -266,5 +266,5 @@ def homogeneous_integral() -> Claim:
 def fleury() -> Claim:
     """Numbers of another paper."""
     return Claim(
-        "5.2", "The homogeneous curves correspond exactly to values of Fleury et al. [38]", "no data here", OPEN
+        "5.2", "The homogeneous curves correspond exactly to values of Fleury et al. [38]", "no data here", UNCHECKED
     )
