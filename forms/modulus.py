@@ -30,8 +30,12 @@ class Modulus(Protocol):
         """Depth."""
 
     @property
+    def k(self) -> Any:
+        """Exponent of the power law E0 y^k that E follows on the surface."""
+
+    @property
     def surface_factor(self) -> float:
-        """E0 of the power law E0 y^k that E follows on the surface."""
+        """E0 of the same."""
 
     @property
     def is_singular(self) -> bool:
@@ -128,12 +132,13 @@ class Coating:
     substrate: Any
     thickness: Any
     exponential: bool = False
+    k: ClassVar = 0.0
     is_singular: ClassVar = False
     parameters: ClassVar[tuple[str, ...]] = ("surface", "substrate", "thickness")
 
     @property
     def surface_factor(self):
-        """``surface``: k = 0 there."""
+        """``surface``."""
         return self.surface
 
     def young(self, y):

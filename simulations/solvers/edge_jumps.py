@@ -31,7 +31,7 @@ class EdgeJumps:
     def __init__(self, problem: ContactProblem):
         self._points = AllPoints(problem.points)
         self._x, self._lifts = self._points.x, Y in problem.directions
-        k = float(getattr(problem.body.modulus, "k", 0.0))
+        k = problem.body.modulus.k  # of the surface
         self._inwards, self._outwards = 2 / (1 + k), 2 / (3 - k)
         self._used: np.ndarray | None = None  # edges of the last step,
         self._states: np.ndarray | None = None  # and its states
