@@ -30,7 +30,7 @@ MOST_UNKNOWNS = 1_000_000  # some minutes, and 3 GB in the factorisation
 MOST_MATRIX = 4.0  # GB in the dense matrices of the condensed method
 NARROWEST = 3.0  # slip zone over edge_facet: there the energy is off by 5 %, with 1 by 30 %, with 0.2 by 180 %
 NARROWEST_STICK = 5.0  # c over edge_facet: there c is off by 3 %, with 4 by 20 %, with 1 it is lost
-ERROR_OF_ENDS = 0.1  # estimated relative error of the traction from its steep ends alone
+MOST_AT_ENDS = 0.1  # estimated relative error of the traction from its steep ends alone
 LOWEST = 0.05  # the first layer's lowest Gauss point, over its height: 0.07 and more
 LOWEST_EXPONENT = -300.0  # decimal logarithm of the smallest ordinary number is -307.7
 STABLE_GAMMA0 = 0.3  # below it the active set cycles (0.2 at k = 0) or fails (0.1 at k = 0.3), unless theta = -1
@@ -93,8 +93,10 @@ def check_size(scene: Scene, cells: Grading, columns: int, layers: int):
         )
     if scene.solver.method == "condensed":
         nodes = degree * min(columns, 2 * cells.strip / min(cells.facet, cells.edge_facet))
-        # compliance matrix of the strip; the dense Jacobian, its factors and the rows of it that are kept
-        size = 8e-9 * nodes * (12 * nodes + 16 * nodes)
+        forces = 2 * nodes
+        compliance = 3 * forces * forces  # displacements of the nodes of the surface cells, three layers for degree 2
+        jacobian = 4 * forces**2  # itself, the inverses of two of them, and the rows that are kept
+        size = 8e-9 * (compliance + jacobian)
         if size > MOST_MATRIX:
             raise SceneError(
                 f"the mesh is too fine: {nodes:.0f} surface nodes make dense matrices of {size:.0f} GB, the limit is "
@@ -118,11 +120,11 @@ def check_resolution(scene: Scene, cells: Grading, loop: FrettingLoop | None):
     if scene.k >= 0:
         return
     name, size = max(("edge_facet", facet), ("first_layer", cells.first_layer), key=lambda entry: entry[1])
-    needed = size_for(ERROR_OF_ENDS, scene.k)
+    needed = size_for(MOST_AT_ENDS, scene.k)
     if size > needed:
         raise SceneError(
             f"mesh.{name} = {size:g} is too coarse for k = {scene.k:g}: tractions that end so steeply would be off by "
-            f"about {expected_error(scene.k, size):.0%}; {_digit(needed):g} or less keeps that below {ERROR_OF_ENDS:.0%}"
+            f"about {expected_error(scene.k, size):.0%}; {_digit(needed):g} or less keeps that below {MOST_AT_ENDS:.0%}"
         )
 
 
