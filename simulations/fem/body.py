@@ -16,6 +16,7 @@ from forms.modulus import with_parameters
 from .mesh import FAR, SURFACE, SYMMETRY
 from .spaces import create_spaces
 from .stiffness import assemble_stiffness, cell_heights, modulus_correction
+from .surface_nodes import SurfaceNodes
 
 # Integration at the displacement nodes makes each node carry its own contact force; with Gauss points between
 # them the semismooth Newton diverges on thin layers.
@@ -77,7 +78,8 @@ class ElasticBody:
         y = self.depth.y(np.maximum(s, 0.0))  # round-off may place the surface at -1e-17
         self._far_field = [far_field(x, y, Q=1.0), far_field(x, y, P=1.0)]
 
-        self.strip, self.strip_cells, self.surface_measure = self._find_strip(strip)
+        facets, self.strip_cells, self.surface_measure = self._find_strip(strip)
+        self.surface_nodes = SurfaceNodes(self.displacements, facets)
         self.stiffness_form = fem.form(self._stiffness_form(works))
         self.stiffness, self.constrained_stiffness = assemble_stiffness(self.stiffness_form, self.fixed_dofs)
         self._recover = None  # what brings ``state`` beyond the strip up to date, None where it is

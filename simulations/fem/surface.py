@@ -3,11 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
-from dolfinx import fem
 
 from .body import ElasticBody, X, Y
 from .contact_problem import ContactProblem
-from .parallel import gathered
 
 SKIPPED, FITTED = 5, 10  # nodes next to an edge that carry its discretisation error, and those read beyond them
 # A traction this close (relative to the largest limit) to its limit slides: forces are known to 1e-9 P, tractions on
@@ -51,18 +49,14 @@ class SurfaceSampler:
 
     def __init__(self, body: ElasticBody, problem: ContactProblem, uncoupled: bool = False):
         self.body, self._uncoupled = body, uncoupled
-        nodes = fem.locate_dofs_topological(body.displacements, 1, body.strip)
-        self._nodes = nodes[nodes < body.owned_nodes]
-        x = gathered(body.mesh.comm, body.displacements.tabulate_dof_coordinates()[self._nodes, 0])
-        self._order = np.argsort(x)
-        self.x = x[self._order]
-        self.weight = self._collect_sums(problem.terms.tributary_lengths()[self._nodes])
-        self.x = self._mirrored(self.x, -1)
+        self._nodes = body.surface_nodes
+        self.x = self._mirrored(self._nodes.x, -1)
+        self.weight = self._collect_sums(problem.terms.tributary_lengths()[self._nodes.owned])
 
     def sample(self, problem: ContactProblem) -> SurfaceState:
         """The present state of the surface; contact tractions are nodal forces over tributary lengths."""
-        force = [self._collect_sums(problem.terms.nodal_forces(i, self._nodes)) for i in (X, Y)]
-        dofs = self.body.dofs[self._nodes]
+        force = [self._collect_sums(problem.terms.nodal_forces(i, self._nodes.owned)) for i in (X, Y)]
+        dofs = self.body.dofs[self._nodes.owned]
         normal = problem.held.state if problem.held else self.body.state  # of the pressure alone
         u, normal_u = self.body.state.x.array[dofs], normal.x.array[dofs]
         neglected = normal_u[:, X] if self._uncoupled else np.zeros(len(u))
@@ -80,7 +74,7 @@ class SurfaceSampler:
 
     def _collect(self, nodal, parity: int = 1):
         """Sorted values of all ranks, mirrored."""
-        return self._mirrored(gathered(self.body.mesh.comm, nodal)[self._order], parity)
+        return self._mirrored(self._nodes.collect(nodal), parity)
 
     def _collect_sums(self, nodal):
         """The same for integrals over the surface around a node; on the axis half of it is on the mesh."""

@@ -86,7 +86,7 @@ def test_the_springs_push_back_as_the_body_without_them_says(with_springs):
     kappa = STIFFNESS * scales.displacement / scales.stress
     forces = np.stack([last.traction - kappa * last.u[X], last.pressure - kappa * last.u[Y]], axis=1)
     bare = coarse_simulation(cells=stiff.cells)
-    body, nodes = bare.body, bare.sampler._nodes[bare.sampler._order]
+    body, nodes = bare.body, bare.body.surface_nodes.collect(bare.body.surface_nodes.owned)
     right, u = body.stiffness.createVecLeft(), body.stiffness.createVecRight()
     right.array[body.dofs[nodes]] = last.weight[:, None] * forces
     body.set_far_field(stiff.schedule[-1].load.components)

@@ -73,7 +73,7 @@ def test_a_state_out_of_balance_is_not_accepted(method):
     load, body = entry.step.load, simulation.body
     newton, problem = simulation.solver._newton, simulation.solver.problem
     assert newton.balance(load).converged
-    nodes = simulation.sampler._nodes
+    nodes = simulation.body.surface_nodes.owned
     x = body.displacements.tabulate_dof_coordinates()[nodes, 0]
     body.complete()
     u = body.state.x.array.copy()

@@ -7,7 +7,6 @@ factorise one each.
 """
 
 import numpy as np
-from dolfinx import fem
 from dolfinx.fem import petsc as fem_petsc
 from mpi4py import MPI
 from petsc4py import PETSc
@@ -24,7 +23,7 @@ from .schur import PartialFactor
 class SurfaceCompliance:
     """Displacement of the strip under unit nodal forces on the surface, and under unit line loads in the far field.
 
-    It depends on the body alone. Surface nodes are sorted by x. ``strip`` holds the global dofs (r,) of the strip
+    It depends on the body alone. Its n surface nodes are sorted by x. ``strip`` holds the global dofs (r,) of the strip
     cells, sorted. Rank 0 has the matrix and ``far`` (r, 2), columns Q and P; other ranks have neither.
     """
 
@@ -60,10 +59,6 @@ class SurfaceCompliance:
         rows = csr_matrix((ones, (count, place)), (len(chosen), len(self.strip)))
         return self.matrix((0, 1)).times(rows)[:, chosen]
 
-    def collect(self, owned: np.ndarray) -> np.ndarray:
-        """Rows (n, ...) sorted by x, on every rank, from those of the owned surface nodes."""
-        return gathered(self.comm, owned)[self.order]
-
     def strip_values(self, local=None) -> np.ndarray:
         """Values on the strip (r,), on every rank, of the ranks' ``local`` arrays; of the body's state by default."""
         local = self.body.state.x.array if local is None else local
@@ -95,18 +90,14 @@ class SurfaceCompliance:
 
     def _find_surface(self):
         body = self.body
-        nodes = fem.locate_dofs_topological(body.displacements, 1, body.strip)
-        self.touched = nodes  # owned and ghost surface nodes, to which this rank's facets contribute
-        self.surface = nodes[nodes < body.owned_nodes]
-        x = gathered(self.comm, body.displacements.tabulate_dof_coordinates()[self.surface, 0])
-        self.order = np.argsort(x)
-        self.n = len(self.order)
-        by_id = np.argsort(ids := self.collect(self._node_ids(self.surface)))
-        self.node_position = by_id[np.searchsorted(ids, self._node_ids(nodes), sorter=by_id)]  # of ``touched``
-        dofs = body.dofs[self.surface]
-        self._surface_dofs = self.collect(self._global(dofs.ravel()).reshape(-1, 2))
+        nodes = body.surface_nodes
+        self.n = len(nodes.x)
+        by_id = np.argsort(ids := nodes.collect(self._node_ids(nodes.owned)))
+        self.node_position = by_id[np.searchsorted(ids, self._node_ids(nodes.touched), sorter=by_id)]  # of ``touched``
+        dofs = body.dofs[nodes.owned]
+        self._surface_dofs = nodes.collect(self._global(dofs.ravel()).reshape(-1, 2))
         fixed = np.isin(dofs, body.fixed_dofs)
-        self._is_free = ~self.collect(fixed)
+        self._is_free = ~nodes.collect(fixed)
 
     def _node_ids(self, nodes):
         return self.body.displacements.dofmap.index_map.local_to_global(nodes.astype(np.int32))

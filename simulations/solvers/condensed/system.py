@@ -48,7 +48,7 @@ class CondensedSystem:
         held = None if self.problem.held is None else self.problem.held.forces
         body.set_far_field(load.components)
         if held is not self._held[0]:
-            collected = compliance.collect(held[compliance.surface])
+            collected = body.surface_nodes.collect(held[body.surface_nodes.owned])
             self._held = held, compliance.matrix((Y,)).apply(collected) if self._is_root else None
         if self._is_root:
             self._constant = compliance.far @ self._load
@@ -153,8 +153,8 @@ class CondensedSystem:
         return self._constant + self._matrix.apply(forces)
 
     def _contact_forces(self):
-        nodal = self.problem.terms.contact_forces(self.compliance.surface)[:, self._rigid]
-        return self.compliance.collect(nodal).T.ravel()
+        nodes = self.problem.body.surface_nodes
+        return nodes.collect(self.problem.terms.contact_forces(nodes.owned)[:, self._rigid]).T.ravel()
 
     def _get(self, x):
         values = x.array_r.copy() if self._is_root else None
@@ -178,7 +178,7 @@ class _TangentPattern:
         local = problem.terms.force_tangent()
         numbered = local.copy()
         numbered.data = np.arange(1.0, local.data.size + 1).reshape(local.data.shape)
-        dofs = problem.body.dofs[compliance.touched]
+        dofs = problem.body.dofs[problem.body.surface_nodes.touched]
         rows = np.concatenate([dofs[:, i] for i in problem.directions])
         chosen = numbered.tocsr()[rows][:, compliance.strip_dofs].tocoo()
         self._entries = chosen.data.astype(int) - 1
