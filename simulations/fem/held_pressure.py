@@ -30,7 +30,3 @@ class HeldPressure:
         tangential = self.body.state.x.array - self.state.x.array
         self.body.state.x.array[:] = self.state.x.array
         return tangential
-
-    def restore(self, state: np.ndarray, pressure: np.ndarray, forces: np.ndarray):
-        """Put back local arrays of an earlier run's ``state``, ``pressure`` and ``forces``."""
-        self.state.x.array[:], self.pressure.x.array[:], self.forces = state, pressure, forces

@@ -1,6 +1,7 @@
 """Numbers of nodes and cells by column and layer of the tensor-product mesh, the same on any number of ranks."""
 
 import numpy as np
+from dolfinx import fem
 
 from .body import ElasticBody
 
@@ -42,16 +43,16 @@ class Numbering:
         for index, place, _ in self._places:
             local[index] = whole[place]
 
-    def gather_points(self, local: np.ndarray) -> np.ndarray | None:
-        """Values at the points of the cells along the surface, (columns, d + 1, d + 1) on rank 0; nan off the strip."""
-        count = (len(self._x) // self._degree) * (self._degree + 1) ** 2
-        owned = self._point_owned
-        whole = self._collect(self._point_place[owned], local[self._point_index[owned]], count)
-        return None if whole is None else whole.reshape(-1, self._degree + 1, self._degree + 1)
+    def gather_field(self, field: fem.Function) -> np.ndarray | None:
+        """``gather`` of the unknowns; (columns, d + 1, d + 1) of a field of the surface points, nan off the strip."""
+        return (self._gather_points if self._is_of_points(field) else self.gather)(field.x.array)
 
-    def scatter_points(self, whole: np.ndarray, local: np.ndarray):
-        """The inverse of ``gather_points``, on every rank."""
-        local[self._point_index] = whole.ravel()[self._point_place]
+    def scatter_field(self, whole: np.ndarray, field: fem.Function):
+        """The inverse of ``gather_field``, on every rank."""
+        (self._scatter_points if self._is_of_points(field) else self.scatter)(whole, field.x.array)
+
+    def _is_of_points(self, field):
+        return field.function_space == self.body.point_space
 
     @property
     def vertices(self) -> tuple[np.ndarray, np.ndarray]:
@@ -79,6 +80,17 @@ class Numbering:
 
     def _add(self, index, place, owned):
         self._places.append((index, place, index < owned))
+
+    def _gather_points(self, local: np.ndarray) -> np.ndarray | None:
+        """Values at the points of the cells along the surface, (columns, d + 1, d + 1) on rank 0; nan off the strip."""
+        count = (len(self._x) // self._degree) * (self._degree + 1) ** 2
+        owned = self._point_owned
+        whole = self._collect(self._point_place[owned], local[self._point_index[owned]], count)
+        return None if whole is None else whole.reshape(-1, self._degree + 1, self._degree + 1)
+
+    def _scatter_points(self, whole: np.ndarray, local: np.ndarray):
+        """The inverse of ``_gather_points``, on every rank."""
+        local[self._point_index] = whole.ravel()[self._point_place]
 
     def _make_points(self):
         body, space = self.body, self.body.point_space

@@ -44,11 +44,3 @@ class SlipMemory:
         """Anchor this rank's points at these positions (m,)."""
         self.anchor.x.array[self.points.dofs] = positions
         self.anchor.x.scatter_forward()
-
-    def save(self) -> tuple[np.ndarray, np.ndarray]:
-        """Copies of both fields, for ``restore``."""
-        return self.anchor.x.array.copy(), self.at_rest.x.array.copy()
-
-    def restore(self, saved: tuple[np.ndarray, np.ndarray]):
-        """Put back what ``save`` gave."""
-        self.anchor.x.array[:], self.at_rest.x.array[:] = saved

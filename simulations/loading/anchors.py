@@ -72,14 +72,15 @@ class EnteringPoints:
         self._put(new)
         return True
 
-    def ratios(self) -> np.ndarray:
+    def save(self) -> dict[str, np.ndarray]:
         """What the next step needs (4,): r at both edges of contact, and from where on both edges of stick draw."""
-        return np.array([*(self._approach.ratios[side].value for side in SIDES), *map(self._start.get, SIDES)])
+        values = [self._approach.ratios[side].value for side in SIDES]
+        return {"ratios": np.array([*values, *(self._start[side] for side in SIDES)])}
 
-    def take_up(self, ratios: np.ndarray):
-        """Go on from an earlier run's ``ratios``."""
-        self._approach.ratios = {side: Ratio(float(r)) for side, r in zip(SIDES, ratios)}
-        self._start = {side: float(x) for side, x in zip(SIDES, [*ratios[2:], np.nan, np.nan])}
+    def restore(self, saved: dict[str, np.ndarray]):
+        """Go on from what ``save`` returned."""
+        self._approach.ratios = {side: Ratio(float(r)) for side, r in zip(SIDES, saved["ratios"][:2])}
+        self._start = {side: float(x) for side, x in zip(SIDES, saved["ratios"][2:])}
 
     def end(self):
         """After the points have come to rest: let open ones beside an edge go on as those inside were anchored.

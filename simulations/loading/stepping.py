@@ -13,6 +13,7 @@ from ..fem.contact_problem import ContactProblem
 from ..fem.load import NO_LOAD, Load
 from ..solvers.newton import FORCE_TOLERANCE, Newton, NewtonResult
 from ..solvers.system import System
+from . import present_state
 from .anchors import EnteringPoints
 from .fallbacks import FALLBACKS, Options
 from .schedule import LoadStep
@@ -90,18 +91,25 @@ class LoadStepping:
         """What solves the present stage."""
         return self._newton.system
 
-    @property
-    def normal_system(self) -> System:
-        """What solved the normal stage, once friction has begun."""
-        return self._normal_newton.system
-
     def save(self) -> dict[str, np.ndarray]:
-        """What the next step takes from those before beside the fields, of rank 0; see ``Newton.save``."""
-        return self._newton.save()
+        """What the next step takes from those before beside the present state, of rank 0, by name."""
+        saved = self._newton.save()
+        if self.problem.friction:
+            saved |= self.entering.save()
+        if self._is_uncoupled:
+            saved |= {"normal forces": self._normal_newton.system.last_forces()}
+        return saved
 
     def restore(self, saved: dict[str, np.ndarray]):
-        """Go on from what ``save`` returned."""
+        """Go on from what ``save`` returned; the present state is already back."""
         self._newton.restore(saved)
+        if self.problem.friction:
+            self.entering.restore(saved)
+        if self._is_uncoupled:  # these forces belong to the state that is held
+            state = self.body.state.x.array.copy()
+            self.body.state.x.array[:] = self.problem.held.state.x.array
+            self._normal_newton.system.take_up(saved["normal forces"])
+            self.body.state.x.array[:] = state
 
     def skip(self, done: list[LoadStep]):
         """Stand where a run stands that has done these steps; its memory is yet to be restored."""
@@ -149,7 +157,7 @@ class LoadStepping:
 
     def _advance(self, before: Load, after: Load, branch: str, depth: int = 0) -> int:
         """Solve a step, in two halves should every way fail; returns the number of halvings."""
-        saved = self._save()
+        saved = present_state.save(self.system)
         # without coupling and with P as it was no edge of contact moves
         enters = self.problem.friction and not (self._is_uncoupled and before.P == after.P)
         tried = self._with_entering_points(before, after) if enters else self._solve(after)
@@ -161,7 +169,7 @@ class LoadStepping:
                 self._unsettled = max(self._unsettled, self.entering.iteration.unsettled)
             self._newton.accept(after)
             return 0
-        self._restore(saved)
+        present_state.restore(self.system, saved)
         first, last = tried[0], tried[-1]
         if depth == self.options.halvings:
             changes = ", ".join(map(str, first.changes[-4:])) or "none"
@@ -180,7 +188,7 @@ class LoadStepping:
     def _solve(self, load: Load, newton: Newton | None = None) -> list[NewtonResult]:
         """What the ways of solving ended with, in order, up to the first that converged; newton: the stage's own."""
         newton = newton or self._newton
-        saved, tried = self._save(), []
+        saved, tried = present_state.save(self.system), []
         for way in FALLBACKS:
             if way.name in self.options.fallbacks and way.applies(newton.system.problem):
                 results = way.solve(newton, load, self.options)
@@ -188,7 +196,7 @@ class LoadStepping:
                 tried.append(results[-1])
                 if results[-1].converged:
                     break
-                self._restore(saved)
+                present_state.restore(self.system, saved)
         return tried
 
     def _with_entering_points(self, before, after):
@@ -215,7 +223,7 @@ class LoadStepping:
         settled = options.anchors_settled_uncoupled if self._is_uncoupled else options.anchors_settled
         best = None
         for solves_left in reversed(range(options.anchor_passes + 1)):
-            found = self._save()
+            found = present_state.save(self.system)
             if not self.entering.renew(self._clearance(), settled):
                 return
             best = found if self.entering.iteration.is_best else best
@@ -224,7 +232,7 @@ class LoadStepping:
                 found = best
             elif self._solve(load)[-1].converged:
                 continue
-            self._restore(found)
+            present_state.restore(self.system, found)
             self._results.append(self._newton.balance(load))
             return
 
@@ -254,23 +262,6 @@ class LoadStepping:
             self.problem.hold_pressure(self.normal)
             self.body.state.x.array[:] += tangential
         return tried
-
-    def _save(self):
-        problem = self.problem
-        memory = problem.memory.save() if problem.friction else None
-        held = None
-        if self._is_uncoupled:
-            held = problem.held.state.x.array.copy(), problem.held.pressure.x.array.copy(), problem.held.forces
-        forces = self.system.last_forces()
-        return self.body.state.x.array.copy(), self.body.delta.value.copy(), forces, memory, held
-
-    def _restore(self, saved):
-        self.body.state.x.array[:], self.body.delta.value[:], forces, memory, held = saved
-        self.system.take_up(forces)
-        if memory is not None:
-            self.problem.memory.restore(memory)
-        if held is not None:
-            self.problem.held.restore(*held)
 
 
 def _pressed_first(schedule: list[LoadStep]) -> int:

@@ -106,6 +106,6 @@ def perturbed_problem(partly_slipping, directions, theta):
         body.state.x.array[:] = slipping
     if problem.friction:
         problem.memory.release()
-        anchor, at_rest = problem.memory.save()
-        problem.memory.restore((anchor - 1e-2 * np.random.default_rng(2).random(anchor.size), at_rest))
+        anchor = problem.memory.anchor.x.array
+        anchor -= 1e-2 * np.random.default_rng(2).random(anchor.size)
     return problem
