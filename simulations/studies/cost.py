@@ -25,6 +25,7 @@ from .engine import Item, Row, run_all
 from .store import Store
 
 MARK = "measured: "  # before the line that a case's own process prints
+ADOPTED = "adopted"  # key of a row that was in the table before
 FIELDS = (
     "study problem level ranks tolerance unknowns surface_nodes increments iterations wall_s cpu_s factorisation_cpu_s "
     "memory_gib pressure traction slip a c dissipated_energy largest largest_of_states "
@@ -55,7 +56,8 @@ def main(arguments: list[str]):
     write_rows(path, [named(case) | row for case, row in everything if row is not None])
     rows = read_rows(path)
     if given.calibrate:
-        calibrate(rows)
+        measured = {case.name for case, row in everything if row is not None and not row.get(ADOPTED)}
+        calibrate([row for row in rows if name_of(row) in measured])
     for figure in draw(rows, given.output):
         say(f"written {figure}")
 
@@ -95,10 +97,15 @@ def adopt(path: Path, store: Store):
         return
     known = {case.name: case for case in cases()}
     for row in read_rows(path):
-        case = known.get(f"{row['study']}/{row['problem']}/{row['level']}")
+        case = known.get(name_of(row))
         if case is not None:
             measured = {name: value for name, value in row.items() if value != "" and name not in named(case)}
-            store.keep(Store.key(case.name, asdict(case)), asdict(case), measured)
+            store.keep(Store.key(case.name, asdict(case)), asdict(case), measured | {ADOPTED: True})
+
+
+def name_of(row: Row) -> str:
+    """That of the case that a row of the table is of."""
+    return f"{row['study']}/{row['problem']}/{row['level']}"
 
 
 def read_rows(path: Path) -> list[Row]:
@@ -110,7 +117,10 @@ def read_rows(path: Path) -> list[Row]:
 
 
 def calibrate(rows: list[dict]):
-    """Renew ``accuracy.csv`` from the study of fineness: the worse of the two amplitudes, where both were measured."""
+    """Renew lines of ``accuracy.csv`` from the study of fineness: the worse of two amplitudes, if both are in ``rows``.
+
+    The other lines stay.
+    """
     found: dict[tuple[bool, float, float], list[dict]] = {}
     for row in rows:
         if row["study"] in ("fineness", "half load") and not row["failure"]:

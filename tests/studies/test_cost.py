@@ -1,16 +1,18 @@
 """What a loop costs, counted: factorisations of the bulk, inverses and products of the dense step. Seconds are in
-docs/cost.md.
+docs/cost.md, and what the study writes of them.
 """
 
 import numpy as np
 import pytest
+from running import ROOT
 from solving import coarse_simulation, solved
 
 from simulations.fem.mesh import Grading
-from simulations.scene import DEFAULT_SCENE
+from simulations.scene import DEFAULT_SCENE, accuracy
 from simulations.solvers.condensed import schur
 from simulations.solvers.condensed.mirror import parts
 from simulations.solvers.condensed.tangent import DenseTangent
+from simulations.studies import cost
 
 
 def factorisations(work):
@@ -117,3 +119,17 @@ def test_another_solid_is_refused():
     first = coarse_simulation()
     with pytest.raises(ValueError, match="another solid"):
         coarse_simulation(solid__nu=0.2, like=first)
+
+
+def test_only_what_was_measured_is_calibrated(tmp_path, monkeypatch):
+    """Rows of an older table, which the study takes over, leave their lines as they are."""
+    before, table = accuracy.TABLE.read_text(), tmp_path / "accuracy.csv"
+    rows = (ROOT / "docs/cost/cost.csv").read_text().splitlines(keepends=True)
+    (tmp_path / "cost.csv").write_text("".join(row for row in rows if ",k=0.7,8," not in row))
+    monkeypatch.setattr(accuracy, "TABLE", table)
+    monkeypatch.setattr("simulations.studies.costs.plots.draw", lambda *_: [])
+    monkeypatch.setattr(cost, "measured_apart", lambda values: {"largest": 0.5, "largest_of_states": 0.6, "cpu_s": 7.0})
+    cost.main(["--output", str(tmp_path), "--only", "/k=0.7/8", "--calibrate"])
+    new = [line for line in table.read_text().splitlines() if line not in before.splitlines()]
+    assert new == ["0,0.7,8,6.00e-01,5.00e-01,7.00"]
+    assert len(table.read_text()) == len(before)
