@@ -15,6 +15,12 @@ from simulations.solvers import newton, path
 from simulations.studies.stability import read_cases
 
 
+def loaded_once(method, coupling="true") -> Simulation:
+    """On few nodes, run to its end."""
+    scene = {"effects__coupling": coupling, "solid__nu": 0.3, "mesh__facet": 0.2, "load__cycles": 0}
+    return solved(solver__method=method, **scene)
+
+
 FORCES, INDENTER = (slice(-2), 0.1), (slice(-2, None), 0.02)  # unknowns, and by which share they are wrong
 
 
@@ -24,10 +30,8 @@ FORCES, INDENTER = (slice(-2), 0.1), (slice(-2, None), 0.02)  # unknowns, and by
 )
 def test_it_leads_to_the_answer(method, coupling, wrong):
     """A single Newton step does not."""
-    simulation = coarse_simulation(
-        solver__method=method, effects__coupling=coupling, solid__nu=0.3, mesh__facet=0.2, load__cycles=0
-    )
-    entry = simulation.run_to_end().history.entries[-1]
+    simulation = loaded_once(method, coupling)
+    entry = simulation.history.entries[-1]
     solver, load = simulation.solver._newton, entry.step.load
     terms, answer = simulation.solver.problem.terms, solver.x.copy()
     forces = terms.contact_forces().copy()
@@ -65,11 +69,7 @@ def test_where_all_points_slide_the_indenter_is_held(monkeypatch):
 @pytest.mark.parametrize("method", ["condensed", "full"])
 def test_a_held_indenter_does_not_move_aside(method):
     """All equations hold but that of Q, the last but one."""
-    simulation = coarse_simulation(
-        solver__method=method, effects__coupling="true", solid__nu=0.3, mesh__facet=0.2, load__cycles=0
-    )
-    simulation.run_to_end()
-    newton = simulation.solver._newton
+    newton = loaded_once(method).solver._newton
     system, x = newton.system, newton.x
     b, y = x.duplicate(), x.duplicate()
     b.array[:] = np.random.default_rng(1).standard_normal(b.local_size)
