@@ -90,7 +90,7 @@ def read_request(arguments: list[str], program: str, description: str | None, de
 def set_petsc_options(options: tuple[str, ...]):
     """Hand a command line's options to PETSc, which names those that nothing asked for when it ends."""
     PETSc.Options().insertString(" ".join(options))
-    if any(option.startswith("-log_view") for option in options):
+    if "log_view" in PETSc.Options():  # also from a file of options
         PETSc.Log.begin()
 
 

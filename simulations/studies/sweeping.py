@@ -73,6 +73,8 @@ def sweep(
     text, sets = base_of(scene), tuple(sets)
     cases = product(vary)
     check(text, sets, cases)
+    if output == "":  # which would be this folder
+        raise SceneError("output = '' is not allowed: the name of a folder")
     if folders and output is None:
         raise SceneError("folders of the runs need a folder: output")
     items = items_of(text, sets, cases, output if folders else None)

@@ -78,8 +78,13 @@ def test_on_a_terminal_one_line_is_written_over(tmp_path):
     assert stay == ["3", "4", "5", "6", "7", "11"]  # A B C D E A
 
 
-def test_petsc_monitors_and_log(tmp_path):
-    done = run_command(*coarse_arguments(tmp_path), "-fretting_snes_monitor", "-log_view", ranks=2)
+@pytest.mark.parametrize("in_file", [False, True])
+def test_petsc_monitors_and_log(tmp_path, in_file):
+    options = ["-fretting_snes_monitor", "-log_view"]
+    if in_file:
+        (tmp_path / "petscrc").write_text("\n".join(options))
+        options = ["-options_file", str(tmp_path / "petscrc")]
+    done = run_command(*coarse_arguments(tmp_path / "run"), *options, ranks=2)
     assert done.returncode == 0
     assert done.stdout.count("SNES Function norm") > 11
     assert done.stdout.count("PETSc Performance Summary") == 1 and "SNESSolve" in done.stdout

@@ -94,6 +94,13 @@ def test_python_finds_the_same(table, tmp_path):
     same(rows_of(tmp_path), rows_of(table))
 
 
+def test_a_folder_without_a_name_is_not_this_one(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(SceneError, match="output = '' is not allowed: the name of a folder"):
+        sweep(vary={"solid.k": [0.3]}, sets=COARSE_SETS, output="")
+    assert not list(tmp_path.iterdir())
+
+
 def test_a_row_is_the_scene_alone(table):
     """What neighbours share changes nothing: the last scene's row has the numbers of a run of its own."""
     simulation = coarse_simulation(solid__k=0.6, load__mu=0.5, effects__coupling="false").run_to_end()
