@@ -13,7 +13,7 @@ from analytic import CoupledLoop
 from analytic.coupled.loop import ORDER
 from analytic.half_plane.linear import ContactNotConverged
 
-from ..fem.load import Load
+from ..loading.schedule import LoadStep
 from ..scene import Scene
 from ..scene.effects import Effects
 from ..scene.scaling import Scaled
@@ -46,14 +46,25 @@ def grades(scene: Scene, effects: Effects) -> bool:
     return scene.is_loop and serves(scene, effects) and scene.cell_sizes["edge_facet"] < FINE[scene.mesh.degree]
 
 
-def loop_edges(scene: Scene, scaled: Scaled, mu: float, loads: Sequence[Load]) -> ExpectedEdges | None:
+def _first_cycle(loop: CoupledLoop, schedule: Sequence[LoadStep], has_reference: bool) -> list:
+    """States up to the end of the first cycle, [] without a solution; all cycles are solved where a reference is."""
+    loads = tuple((step.P, step.Q) for step in schedule)
+    first = sum(step.cycle <= 1 for step in schedule)
+    for wanted in dict.fromkeys((loads, loads[:first]) if has_reference else (loads[:first],)):
+        try:
+            return states_of(loop, wanted)[:first]
+        except (ContactNotConverged, ValueError, ArithmeticError):
+            continue
+    return []
+
+
+def loop_edges(scene: Scene, scaled: Scaled, mu: float, schedule: Sequence[LoadStep]) -> ExpectedEdges | None:
     """Edges of contact and stick after every load step of the first cycle; None where there is no solution.
 
     A stop of the contact costs q = mu p what it costs p; one of stick costs q alone.
     """
-    try:
-        states = states_of(loop_of(scaled, mu), tuple((load.P, load.Q) for load in loads))
-    except (ContactNotConverged, ValueError, ArithmeticError):
+    states = _first_cycle(loop_of(scaled, mu), schedule, scene.reference.kind != "none")
+    if not states:
         return None
     Q_A = max(state.Q for state in states)
     ends: list[float] = []

@@ -84,8 +84,7 @@ class Plan:
             return rough_edges(scene, self.scaled, self.effects, loads)
         found = None
         if grades(scene, self.effects):
-            first_cycle = [step.load for step in self.schedule if step.cycle <= 1]
-            found = loop_edges(scene, self.scaled, self.mu, first_cycle)
+            found = loop_edges(scene, self.scaled, self.mu, self.schedule)
         return found or expected_edges(scene, self.scaled, self.loop, self.effects, loads)
 
     def _schedule(self):

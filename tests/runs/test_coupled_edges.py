@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
+from analytic import CoupledLoop
 from simulations.fem.mesh import Grading, columns
 from simulations.fem.surface import fitted_contact_edges, fitted_stick_edges
 from simulations.runs import coupled_loop
@@ -51,11 +52,20 @@ def test_neighbouring_stops_are_one_with_the_least_share():
     assert stops_at(found, 5e-4) == (Stop(pytest.approx(0.5002), 0.1), Stop(0.5006, 0.4), Stop(0.9, 0.2))
 
 
+def test_several_cycles_are_solved_once_for_mesh_and_reference(monkeypatch):
+    solve, asked = CoupledLoop.run, []
+    monkeypatch.setattr(CoupledLoop, "run", lambda loop, loads: asked.append(len(loads)) or solve(loop, loads))
+    made = plan("solver.increments=2", "load.cycles=2")
+    made.grading()
+    states_of(loop_of(made.scaled, made.mu), tuple((step.P, step.Q) for step in made.schedule))
+    assert asked == [len(made.schedule)]
+
+
 def test_no_solution_leaves_the_rough_edges(monkeypatch):
     """At the edge of a stick zone that grows there is none; nor is there on large facets, which gain nothing."""
     asked = plan("solid.nu=0", "load.mu=1", "solid.k=-0.3")
     assert grades(asked.scene, asked.effects)
-    assert coupled_loop.loop_edges(asked.scene, asked.scaled, asked.mu, [step.load for step in asked.schedule]) is None
+    assert coupled_loop.loop_edges(asked.scene, asked.scaled, asked.mu, asked.schedule) is None
     assert asked.grading().stops == ()
     coarse = plan("mesh.edge_facet=0.02")
     assert not grades(coarse.scene, coarse.effects)
