@@ -11,7 +11,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from ..fem.contact_problem import ContactProblem, X
-from .newton import bulk_solver
+from .bulk_solver import bulk_solver
 
 SINGULAR = 1e12  # condition of the equations of the cylinder, which is free to move beyond it
 

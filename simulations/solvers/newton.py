@@ -2,7 +2,7 @@
 
 ``full.FullSystem`` has every displacement as unknown, ``condensed.CondensedSystem`` the contact forces alone. Both
 carry the rigid displacements of the cylinder and linearise the same forms. Options are open on the command
-line under the prefix ``fretting_``, those of the bulk factorisation under ``fretting_bulk_``.
+line under the prefix ``fretting_``.
 """
 
 import weakref
@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from petsc4py import PETSc
 
+from .bulk_solver import with_defaults
 from .edge_jumps import EdgeJumps
 from .last_steps import LastSteps
 from .path import follow
@@ -22,13 +23,7 @@ SNES_OPTIONS = {
     "snes_max_it": 60,
     "ksp_type": "preonly",
 }
-BULK_OPTIONS = {
-    "ksp_type": "preonly",
-    "pc_factor_mat_solver_type": "mumps",
-    "mat_mumps_icntl_7": 6,  # QAMD ordering: beats the automatic choice on graded meshes
-    "mat_mumps_icntl_14": 60,  # working space, per cent
-}
-PREFIX, BULK_PREFIX = "fretting_", "fretting_bulk_"
+PREFIX = "fretting_"
 FORCE_TOLERANCE = 1e-9  # force residual and load imbalance / P, where round-off lets them get there
 OVER_ROUND_OFF = 4.0  # residuals are balanced this many times above the last digits' own, measured for k from -0.9 to 0
 SETTLED = 1e-11  # force residual / P above which a balanced state gets one more step: what is left of a long first one;
@@ -50,36 +45,6 @@ class NewtonResult:
     reason: str
     tolerance: float = FORCE_TOLERANCE  # of the residual: the attainable one where that is larger
     changes: tuple[int, ...] = ()  # points whose contact state (open, stick, slip) changed, iteration by iteration
-
-
-def with_defaults(prefix: str, defaults: dict, configure):
-    """Call ``configure`` (a setFromOptions) with ``defaults`` under ``prefix``, which the user's options override."""
-    options = PETSc.Options()
-    missing = {prefix + name: value for name, value in defaults.items() if prefix + name not in options}
-    for name, value in missing.items():
-        options[name] = value
-    configure()
-    for name in missing:
-        del options[name]
-
-
-def bulk_solver(matrix: PETSc.Mat, factorisation: str, changes=None, prepare=None) -> PETSc.KSP:
-    """Direct solver of the body, ``factorisation`` "lu" or "cholesky", factorised; options under ``fretting_bulk_``.
-
-    changes: to BULK_OPTIONS; prepare: function of the preconditioner, called before it is factorised.
-    """
-    ksp = PETSc.KSP().create(matrix.comm)
-    ksp.setOptionsPrefix(BULK_PREFIX)
-    ksp.setOperators(matrix)
-
-    def set_up():
-        ksp.setFromOptions()
-        if prepare is not None:
-            prepare(ksp.pc)
-        ksp.setUp()  # MUMPS reads its options here
-
-    with_defaults(BULK_PREFIX, BULK_OPTIONS | {"pc_type": factorisation} | (changes or {}), set_up)
-    return ksp
 
 
 class _Operator:

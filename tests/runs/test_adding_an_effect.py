@@ -17,7 +17,7 @@ from simulations.runs.simulation import Simulation
 from simulations.scene import DEFAULT_SCENE, effects, parse
 from simulations.scene.effects import Effect, Verdict
 from simulations.scene.fields import Number
-from simulations.solvers.newton import bulk_solver
+from simulations.solvers.bulk_solver import bulk_solver
 
 STIFFNESS = 2e14  # Pa/m
 

@@ -11,7 +11,7 @@ import numpy as np
 from petsc4py import PETSc
 from scipy.sparse import csr_matrix
 
-from ..newton import bulk_solver
+from ..bulk_solver import bulk_solver
 
 NESTED_DISSECTION = {"mat_mumps_icntl_7": 5}  # METIS: with a Schur complement it beats QAMD at every size measured
 _petsc = ctypes.CDLL(PETSc.__file__)  # symbols of the PETSc library that petsc4py itself is linked to

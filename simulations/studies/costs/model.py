@@ -10,7 +10,7 @@ from ...runs import reference
 from ...runs.comparison import compare, worst
 from ...runs.simulation import Simulation
 from ...scene import parse
-from ...solvers.newton import bulk_solver
+from ...solvers.bulk_solver import bulk_solver
 from .cases import Case
 
 COARSE = {

@@ -1,0 +1,41 @@
+"""Direct solver of the elastic body; its options are open on the command line under the prefix ``fretting_bulk_``."""
+
+from petsc4py import PETSc
+
+BULK_OPTIONS = {
+    "ksp_type": "preonly",
+    "pc_factor_mat_solver_type": "mumps",
+    "mat_mumps_icntl_7": 6,  # QAMD ordering: beats the automatic choice on graded meshes
+    "mat_mumps_icntl_14": 60,  # working space, per cent
+}
+BULK_PREFIX = "fretting_bulk_"
+
+
+def with_defaults(prefix: str, defaults: dict, configure):
+    """Call ``configure`` (a setFromOptions) with ``defaults`` under ``prefix``, which the user's options override."""
+    options = PETSc.Options()
+    missing = {prefix + name: value for name, value in defaults.items() if prefix + name not in options}
+    for name, value in missing.items():
+        options[name] = value
+    configure()
+    for name in missing:
+        del options[name]
+
+
+def bulk_solver(matrix: PETSc.Mat, factorisation: str, changes=None, prepare=None) -> PETSc.KSP:
+    """Direct solver of the body, ``factorisation`` "lu" or "cholesky", factorised; options under ``fretting_bulk_``.
+
+    changes: to BULK_OPTIONS; prepare: function of the preconditioner, called before it is factorised.
+    """
+    ksp = PETSc.KSP().create(matrix.comm)
+    ksp.setOptionsPrefix(BULK_PREFIX)
+    ksp.setOperators(matrix)
+
+    def set_up():
+        ksp.setFromOptions()
+        if prepare is not None:
+            prepare(ksp.pc)
+        ksp.setUp()  # MUMPS reads its options here
+
+    with_defaults(BULK_PREFIX, BULK_OPTIONS | {"pc_type": factorisation} | (changes or {}), set_up)
+    return ksp
