@@ -98,7 +98,10 @@ FALLBACKS = (
         path,
     ),
 )
-HALVING = "halving: two steps of half the load, one after the other, where all of these fail"
+HALVING = (
+    "halving: two steps of half the load, one after the other, where all of these fail; or where tractions zigzag, if "
+    "they do so less then"
+)
 
 
 def explained(problem: ContactProblem) -> list[str]:

@@ -1,4 +1,5 @@
-"""Load stepping: press, then rock, load step by load step, with half steps where every way of solving one fails."""
+"""Load stepping: press, then rock, load step by load step; in half steps where every way of solving one fails, or where
+tractions zigzag and do so less with half steps."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
@@ -58,7 +59,8 @@ class LoadStepping:
     the first contact on (``friction_first``), or None; system: function from a problem to the newton.System that
     solves it; tolerance: Newton's, of forces and loads over P; stuck: where points at x (n,) stick while P grows from
     first contact under friction, as a function of P and x, nan where they do not; None where this is not known;
-    solid: the half-plane that the body is near its surface, None where r of ``anchors`` is to be the same everywhere.
+    solid: the half-plane that the body is near its surface, None where r of ``anchors`` is to be the same everywhere;
+    zigzag: by how much coupled tractions of the present state zigzag, over what is allowed, on every rank.
     """
 
     def __init__(
@@ -70,11 +72,12 @@ class LoadStepping:
         tolerance: float = FORCE_TOLERANCE,
         stuck: Stuck | None = None,
         solid: GradedHalfPlane | None = None,
+        zigzag: Callable[[], float] = lambda: 0.0,
     ):
         self.problem, self.normal, self.frictional = normal, normal, frictional
         self.body, self._system = normal.body, system
         self._friction_first, self._tolerance, self._stuck = friction_first, tolerance, stuck
-        self._edge = StuckEdge(solid) if solid else None
+        self._edge, self._zigzag = StuckEdge(solid) if solid else None, zigzag
         self.options = Options()
         self._newton: Newton = None  # type: ignore[assignment]  # made when the stage begins
         self._normal_newton: Newton = None  # type: ignore[assignment]
@@ -131,7 +134,7 @@ class LoadStepping:
                 if self._friction_first:  # the frictionless contact of the first step is where Newton starts
                     cuts = self._advance(before, step.load, step.branch)
                 self._begin_friction()
-            cuts += self._advance(before, step.load, step.branch)
+            cuts += self._take(before, step.load, step.branch)
             yield Outcome(step, tuple(self._results), cuts, self._unsettled)
             before = step.load
 
@@ -154,6 +157,37 @@ class LoadStepping:
         if not self._friction_first:  # there the surface came to rest before it was touched, at s = 0
             self.problem.memory.release()
         self._newton = self._start(self.problem)
+
+    def _take(self, before: Load, after: Load, branch: str) -> int:
+        """``_advance``; where tractions zigzag after a step it is solved in two halves as well, and the smoother stays.
+
+        Points that slide through a long step are anchored where an estimate says that they stopped.
+        """
+        begun = self._everything()
+        cuts, unsettled = self._advance(before, after, branch), self._unsettled
+        zigzag = 0.0 if cuts or self._is_uncoupled or not self.problem.friction else self._zigzag()
+        if zigzag <= 1.0:
+            return cuts
+        whole = self._everything()
+        self._put_back(begun)
+        try:
+            self._unsettled, cuts = 0.0, self._in_halves(before, after, branch)
+            if self._zigzag() < zigzag:
+                return cuts
+        except SolveError:
+            pass
+        self._put_back(whole)
+        self._unsettled = unsettled
+        self._results.append(self._newton.balance(after))
+        return 0
+
+    def _everything(self):
+        return present_state.save(self.system), self.body.mesh.comm.bcast(self.save())
+
+    def _put_back(self, saved):
+        state, memory = saved
+        present_state.restore(self.system, state)
+        self.restore(memory)
 
     def _advance(self, before: Load, after: Load, branch: str, depth: int = 0) -> int:
         """Solve a step, in two halves should every way fail; returns the number of halvings."""
@@ -181,6 +215,9 @@ class LoadStepping:
                 after,
                 branch,
             )
+        return self._in_halves(before, after, branch, depth)
+
+    def _in_halves(self, before: Load, after: Load, branch: str, depth: int = 0) -> int:
         middle = before.towards(after, 0.5)
         cuts = self._advance(before, middle, branch, depth + 1)
         return 1 + cuts + self._advance(middle, after, branch, depth + 1)

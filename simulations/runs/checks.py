@@ -68,8 +68,7 @@ def check(
             ),
             "slip against q": Check(max(wrong, default=0.0), WRONG_SLIP),
             "traction zigzags": Check(
-                max((zigzags(e.surface.traction, mu * np.ptp(e.surface.pressure)) for e in loaded), default=0.0),
-                ZIGZAGS,
+                max((traction_zigzags(e.surface, mu) for e in loaded), default=0.0), ZIGZAGS
             ),
         }
         if not checks["slip against q"].holds:
@@ -166,6 +165,16 @@ def zigzags(values, scale: float = 0.0) -> float:
     a, b, c = steps[:-2], steps[1:-1], steps[2:]
     in_turn = (a * b < 0) & (b * c < 0)
     return float(np.minimum(np.minimum(np.abs(a), np.abs(b)), np.abs(c))[in_turn].sum() / max(np.ptp(values), scale))
+
+
+def traction_zigzags(surface: SurfaceState, mu: float) -> float:
+    """Those of q over its range, or that of mu p where this is larger."""
+    return zigzags(surface.traction, mu * np.ptp(surface.pressure))
+
+
+def largest_zigzag(surface: SurfaceState, mu: float) -> float:
+    """The larger one of those of p and q."""
+    return max(zigzags(surface.pressure), traction_zigzags(surface, mu))
 
 
 def drift(history: History) -> float:

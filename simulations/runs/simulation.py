@@ -21,6 +21,7 @@ from ..solvers.condensed.system import CondensedSystem
 from ..solvers.full import FullSystem
 from ..solvers.newton import FORCE_TOLERANCE
 from . import freeing
+from .checks import ZIGZAGS, largest_zigzag
 from .critical_friction import why_no_answer
 from .history import Entry, History
 from .limits import (
@@ -99,6 +100,7 @@ class Simulation(Meshed):
             tolerance,
             _stuck(pressing) if pressing else None,
             self.scaled.solid,
+            self._zigzag,
         )
         self.body.delta.value[Y] = indenter.height(self._first_half_width())  # overlap there: where Newton starts
         self.sampler = SurfaceSampler(self.body, normal, scene.friction and "coupling" not in self.effects)
@@ -184,6 +186,9 @@ class Simulation(Meshed):
     @cached_property
     def _compliance(self):
         return SurfaceCompliance(self.body)
+
+    def _zigzag(self) -> float:
+        return largest_zigzag(self.sampler.sample(self.solver.problem), self.mu) / ZIGZAGS
 
     def pressing_with_friction(self) -> PressingWithFriction | None:
         """The exact contact under P = 1 where it is pressed on with friction and grows similar to itself, else None."""

@@ -199,6 +199,42 @@ def test_without_these_which_points_stop_is_not_settled(name, monkeypatch):
     assert zigzags_with_few_steps(*FEW[name])
 
 
+STEEP_LOOP = HOLL | {
+    "solid.k": -0.472,
+    "solid.nu": -0.309,
+    "load.P": 1e6,
+    "load.mu": 0.256,
+    "load.amplitude": 0.219,
+    "solver.increments": 2,
+    "reference.kind": "none",
+}
+
+
+def test_a_load_step_after_which_tractions_zigzag_is_taken_in_halves(monkeypatch):
+    def after_the_turn():
+        simulation = Simulation(MPI.COMM_SELF, make_scene(STEEP_LOOP, base=None))
+        entry = next(entry for entry in simulation.run() if entry.number == 4)
+        return entry.cuts, checks.largest_zigzag(entry.surface, simulation.mu)
+
+    cuts, zigzag = after_the_turn()
+    assert cuts == 1 and zigzag < 0.03
+    monkeypatch.setattr(Simulation, "_zigzag", lambda simulation: 0.0)
+    cuts, zigzag = after_the_turn()
+    assert cuts == 0 and zigzag > 0.1
+
+
+def test_where_halves_are_not_smoother_the_load_step_is_as_if_they_had_not_been_tried(monkeypatch):
+    def states(zigzag):
+        monkeypatch.setattr(Simulation, "_zigzag", lambda simulation: zigzag)
+        return run(LOOP, 2).history.entries
+
+    for tried, whole in zip(states(2.0), states(0.0), strict=True):
+        assert tried.cuts == 0 and (tried.step.branch == "normal" or tried.iterations > whole.iterations)
+        for name in ("pressure", "traction", "relative_displacement"):
+            expected = getattr(whole.surface, name)
+            assert getattr(tried.surface, name) == pytest.approx(expected, abs=1e-8 * np.abs(expected).max(initial=1e-3))
+
+
 def test_a_dwell_and_a_return_pass_the_check_of_slip():
     """Nothing moves at a dwell: what moves there is round-off, and so is the work that it does."""
     points = [[1e6, 0.0], [1e6, 2e5], [1e6, 2e5], [1e6, 1e5], [1e6, 2e5], [1e6, 2e5]]
