@@ -96,27 +96,36 @@ def at_limit(state: SurfaceState, mu: float) -> np.ndarray:
 
 def fitted_contact_edges(state: SurfaceState, exponents: tuple[float, float]) -> tuple[float, float]:
     """Left and right edge of the contact, where the pressure ends like a power of the distance: (1+k)/2 in (44)."""
-    return _edges(state.x, state.pressure, exponents)
+    first, last = _longest_run(state.x, state.pressure > 0)
+    return _edges(state.x, (state.pressure, state.pressure), first, last, exponents)
 
 
 def fitted_stick_edges(
     state: SurfaceState, mu: float, direction: int, exponents: tuple[float, float]
 ) -> tuple[float, float]:
-    """Left and right edge of the stick zone while the load moves in ``direction`` (+1, -1; 0: neither).
+    """Left and right edge of the stick zone, of several the longest; both are nan when every point slips.
 
-    The traction's distance from the limit it slides at, mu p - direction q, ends there like a power of the distance:
-    (1+k)/2 in (47). Both are nan when every point slips.
+    The traction's distance from the limit that points beyond an edge slide at, mu p - s q, ends there like a power of
+    the distance: (1+k)/2 in (47). s is the sign of q there, which differs between both edges where P changes; where no
+    point slides it is ``direction``, that of the load (+1, -1; 0: neither).
     """
-    limit = mu * state.pressure
-    margin = limit - (direction * state.traction if direction else np.abs(state.traction))
-    return _edges(state.x, np.where(margin > AT_LIMIT * limit.max(), margin, 0.0), exponents)
+    limit, q = mu * state.pressure, state.traction
+    slides = np.where(at_limit(state, mu), np.sign(q), 0.0)
+    first, last = _longest_run(state.x, (limit > AT_LIMIT * limit.max()) & (slides == 0.0))
+    margins = []
+    for beyond in (first - 1, last):
+        s = slides[beyond] if 0 <= beyond < len(slides) else 0.0
+        margins.append(limit - ((s or direction) * q if s or direction else np.abs(q)))
+    return _edges(state.x, margins, first, last, exponents)
 
 
-def _edges(x, values, exponents):
-    first, last = _longest_run(values > 0)
+def _edges(x, values, first, last, exponents):
+    """Where ``values``, of the left and of the right edge, end beside the points from ``first`` to before ``last``."""
     if last - first < 4:
         return np.nan, np.nan
-    left, right = (values[first:last] ** (1.0 / exponent) for exponent in exponents)
+    left, right = (
+        np.maximum(value[first:last], 0.0) ** (1.0 / exponent) for value, exponent in zip(values, exponents)
+    )
     # where the fit leads away (a traction that runs along its limit) the nodes know better
     end = np.clip(_zero(x[first:last], right), x[last - 2], x[min(last + 1, len(x) - 1)])
     begin = np.clip(-_zero(-x[first:last][::-1], left[::-1]), x[max(first - 2, 0)], x[first + 1])
@@ -138,11 +147,11 @@ def _zero(x, values):
     return float(x[-1])
 
 
-def _longest_run(mask):
-    """First index and end of the longest run of True."""
+def _longest_run(x, mask):
+    """First index and end of the run of True that is longest in x."""
     ends = np.flatnonzero(np.diff(np.concatenate([[0], mask.astype(int), [0]])))
     if ends.size == 0:
         return 0, 0
     starts, stops = ends[::2], ends[1::2]
-    longest = np.argmax(stops - starts)
+    longest = np.argmax(x[stops - 1] - x[starts])
     return starts[longest], stops[longest]

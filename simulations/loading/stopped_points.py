@@ -109,6 +109,8 @@ def anchors_of_stopped(x, before: Surface, after: Surface, side: int, touch, sta
         return stopped, smooth(x, after.s, [inside, outwards[first - 1], outer, outside], x[stopped])
 
     if np.all(before.states == OPEN):  # the contact started from a point, under an indenter that is a power there
+        if before.clearance[outer] == 0.0:  # all of a flat touches at once
+            return none
         tip = float(x[np.argmin(before.clearance)])
         share = before.clearance / before.clearance[outer]
         stopped = stopped[side * x[stopped] > side * tip]

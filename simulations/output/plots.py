@@ -188,7 +188,7 @@ def _legend(figure, simulation, lines):
     """One for all panels, below them."""
     history, mu, handles = simulation.history, simulation.mu, []
     if history.friction:
-        varies = min(entry.step.P for entry in _states(history)) < CONSTANT
+        varies = min((entry.step.P for entry in _states(history)), default=1.0) < CONSTANT
         for entry, colour, marker in zip(_states(history), COLOURS, MARKERS):
             step = entry.step
             normal = rf"${step.P:.2f}\,P$, " if varies else ""

@@ -49,6 +49,7 @@ def check(
     with_gap = [entry for entry in entries if coupled or entry.step.branch == "normal"]
     tolerance = max(entry.tolerance for entry in entries)
     worst = {name: max(measure(entry.surface, entry) for entry in entries) for name, measure in MEASURES.items()}
+    lost = float(sum(np.isnan(entry.a) for entry in entries if entry.step.state or entry is entries[-1]))
     checks = {
         "residual": Check(max(entry.residual for entry in entries), ATTAINABLE),
         # tractions read off the fields: Newton's tolerance, and once more the round-off that makes it
@@ -56,6 +57,7 @@ def check(
         "p >= 0": Check(worst["p >= 0"], 0.0),
         "gap >= 0": Check(max(penetration(entry.surface, height) for entry in with_gap), PENETRATION),
         "pressure zigzags": Check(worst["pressure zigzags"], ZIGZAGS),
+        "contact has a width": Check(lost, 0.0, LOST if lost else ""),
     }
     if history.friction:
         mu, loaded = history.mu, [entry for entry in entries if np.any(entry.surface.traction)]
@@ -66,6 +68,7 @@ def check(
             "|q| <= mu p": Check(
                 max((excess(e.surface, mu) for e in loaded), default=0.0), 10 * max(tolerance, FORCE_TOLERANCE)
             ),
+            "energy >= 0": Check(max(-history.dissipated_energy, 0.0), 0.0),
             "slip against q": Check(max(wrong, default=0.0), WRONG_SLIP),
             "traction zigzags": Check(
                 max((traction_zigzags(e.surface, mu) for e in loaded), default=0.0), ZIGZAGS
@@ -120,11 +123,12 @@ def tension(surface: SurfaceState, entry: Entry) -> float:
 
 
 def penetration(surface: SurfaceState, height: Callable) -> float:
-    """Deepest overlap outside the contact over the depth of the contact, f(a)."""
+    """Deepest overlap outside the contact over its depth: f(a), or how far the surface bends where f is flat."""
     gap = height(surface.x) + surface.u[1] - surface.delta[1]
     open_nodes = surface.pressure <= 0
     reach = np.abs(surface.x[~open_nodes]).max()
-    return float(max(-gap[open_nodes].min(initial=0.0), 0.0) / height(reach))
+    depth = max(float(height(reach)), BENT * np.ptp(surface.u[1]))
+    return float(max(-gap[open_nodes].min(initial=0.0), 0.0) / depth)
 
 
 def excess(surface: SurfaceState, mu: float) -> float:
@@ -200,12 +204,14 @@ LARGE = (
     "solver.increments make errors smaller"
 )
 UNKNOWN = "the reference's own error is {:.0%}, which is too much to judge by; more solver.increments make it smaller"
+BENT = 0.1  # of the range of u_y, which is about f(a) under a round indenter
 PENETRATION = 1e-3  # an open point is held by its traction, which is not quite zero
 WRONG_SLIP = 1e-4  # of loops measured below 1e-6
 AGAINST = (
     "slip goes against q most in load step {}: where points stop within a load step may be known too badly there; "
     "another number of solver.increments changes that"
 )
+LOST = "so many states touch at too few nodes to have a half-width: a smaller mesh.facet or mesh.edge_facet may help"
 AT_REST = 1e-3  # motion over the largest below which a load step moves nothing
 ZIGZAGS = 0.05  # of the range; loops at k = 0.3 have less than 0.003, the coupled one at k = -0.5 on coarse facets 0.04
 MEASURES = {

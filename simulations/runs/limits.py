@@ -25,10 +25,12 @@ if TYPE_CHECKING:
     from ..fem.mesh import Grading
     from ..loading.schedule import LoadStep
     from ..scene import Scene
+    from ..scene.scaling import Scaled
 
 MOST_UNKNOWNS = 1_000_000  # some minutes, and 3 GB in the factorisation
 MOST_MATRIX = 4.0  # GB in the dense matrices of the condensed method
 NARROWEST = 3.0  # slip zone over edge_facet: there the energy is off by 5 %, with 1 by 30 %, with 0.2 by 180 %
+LONG_ELASTIC_SLIP = 0.1  # over mu P/E(a)
 NARROWEST_STICK = 5.0  # c over edge_facet: there c is off by 3 %, with 4 by 20 %, with 1 it is lost
 MOST_AT_ENDS = 0.1  # estimated relative error of the traction from its steep ends alone
 LOWEST = 0.05  # the first layer's lowest Gauss point, over its height: 0.07 and more
@@ -128,8 +130,9 @@ def check_resolution(scene: Scene, cells: Grading, loop: FrettingLoop | None):
         )
 
 
-def warnings_of(scene: Scene, cells: Grading, loop: FrettingLoop | None) -> list[str]:
-    """What theory or mesh show badly though the run is possible, in words: a steep indenter, a stick zone too narrow.
+def warnings_of(scene: Scene, cells: Grading, loop: FrettingLoop | None, scaled: Scaled) -> list[str]:
+    """What theory or mesh show badly though the run is possible, in words: a steep indenter, a stick zone too narrow, an
+    elastic slip that is not small.
 
     A narrow one spoils no more than c: p, q and energy do not feel it.
     """
@@ -138,6 +141,12 @@ def warnings_of(scene: Scene, cells: Grading, loop: FrettingLoop | None) -> list
         found.append(
             f"mesh.edge_facet = {cells.edge_facet:g} is too coarse for c/a: the stick half-width is {loop.c:.2g} a at "
             f"load.amplitude = {scene.load.amplitude:g} and needs {_digit(loop.c / NARROWEST_STICK):g} or less"
+        )
+    soft = scaled.elastic_compliance(scene) / 2
+    if soft > LONG_ELASTIC_SLIP:
+        found.append(
+            f"effects.elastic_slip = {scene.effects.elastic_slip:g} m is {soft:.2g} mu P/E(a), which is long: at 0.1 the "
+            "energy of a cycle with load.amplitude = 0.9 is 4 % too large, at 0.3 16 %, with small amplitudes more"
         )
     return [words for words in found if words]
 

@@ -110,7 +110,7 @@ class Simulation(Meshed):
     @property
     def warnings(self) -> list[str]:
         """What theory or mesh show badly, one line each."""
-        return warnings_of(self.scene, self.cells, self.loop)
+        return warnings_of(self.scene, self.cells, self.loop, self.scaled)
 
     def _first_half_width(self) -> float:
         """Of the frictionless contact under the first load; of a coating not more than a, nearly."""

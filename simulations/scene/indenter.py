@@ -8,7 +8,7 @@ import operator
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from math import isfinite
+from math import isclose, isfinite
 
 import numpy as np
 import sympy
@@ -22,6 +22,7 @@ DISTANCE = sympy.Symbol("x", nonnegative=True)  # |x| - flat >= 0
 FUNCTIONS = ("sqrt", "exp", "log", "sin", "cos", "tan", "sinh", "cosh", "tanh")
 NAMES = ("x", "R", "pi")
 LONGEST_FORMULA = 500  # characters of a formula
+SAME_ORDER = 1e-9  # relative: the digits of R are in the order that sympy finds
 OPERATIONS: dict[type, Callable] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
@@ -71,7 +72,8 @@ class Shape:
         """Exponent m of f ~ x^m at the tip (beside the flat)."""
         if self.known_order is not None:
             return self.known_order
-        return float(sympy.limit(DISTANCE * sympy.diff(self.formula, DISTANCE) / self.formula, DISTANCE, 0, "+"))
+        order = float(sympy.limit(DISTANCE * sympy.diff(self.formula, DISTANCE) / self.formula, DISTANCE, 0, "+"))
+        return float(round(order)) if isclose(order, round(order), rel_tol=SAME_ORDER) else order
 
     def defect(self, length: float) -> str | None:
         """Why this is no indenter for contacts of half-width ``length``, or None."""

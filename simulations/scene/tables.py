@@ -220,7 +220,8 @@ class Path(Load):
 
     beside: ClassVar[str] = "load.points"
     points: Points = Field(
-        description="path of (P, Q), instead of P, amplitude and cycles; |Q| < μ P, the first Q is 0"
+        description="path of (P, Q), instead of P, amplitude and cycles; |Q| < μ P, the first Q is 0; without "
+        "friction up to the first Q that is not 0, unless `effects.friction_in_normal_stage`"
     )
     mu: Friction | None = None
 

@@ -199,6 +199,16 @@ def test_without_these_which_points_stop_is_not_settled(name, monkeypatch):
     assert zigzags_with_few_steps(*FEW[name])
 
 
+def test_stick_half_width_where_points_slide_against_the_change_of_q():
+    """As P falls points slide along with q while Q falls as well."""
+    points = [[1e4, 0.0], [1e4, 2e3], [6e3, 1e3]]
+    simulation = run(UNCOUPLED | {"load.mu": 0.3, "load.points": points}, 6)
+    springs = Springs(simulation.contact, simulation.mu, simulation.schedule)
+    for entry in simulation.history.entries[-3:]:
+        assert entry.c < 0.95 * entry.a
+        assert entry.c == pytest.approx(springs.stick_half_width(entry), rel=0.01)
+
+
 STEEP_LOOP = HOLL | {
     "solid.k": -0.472,
     "solid.nu": -0.309,

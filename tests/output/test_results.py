@@ -158,6 +158,17 @@ def runs_by_ranks(tmp_path_factory):
     return folders
 
 
+def test_a_path_without_tangential_load_has_a_picture(tmp_path):
+    """It has friction and no state of a loop or a path to name."""
+    scene = tmp_path / "pressed.toml"
+    solid = '[solid]\nmodulus = "homogeneous"\nE0 = 210e9\nnu = 0.3\n[indenter]\nR = 0.1\n'
+    load = "[load]\nmu = 0.3\npoints = [[1e6, 0], [2e6, 0], [1e6, 0]]\n"
+    mesh = "[mesh]\nfacet = 0.1\nedge_facet = 0.02\nfirst_layer = 0.02\n[solver]\nincrements = 1\n"
+    scene.write_text(solid + load + mesh)
+    done = run_command(str(scene), "--reference", "none", "--output", str(tmp_path / "run"))
+    assert done.returncode == 0 and (tmp_path / "run" / "fretting.png").stat().st_size > 0
+
+
 def test_same_answer_on_three_ranks(runs_by_ranks):
     """To 1e-7 of the largest value: Newton ends at a force residual of 1e-9 P, which the smallest facets magnify. Two
     ranks are in test_folder.py, the full method in tests/mpi.

@@ -3,6 +3,7 @@
 import csv
 import json
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -73,6 +74,14 @@ def test_checks_hold_and_see_what_is_wrong(loop):
     surface.traction[:] = saved[1]
     assert not found["slip against q"].holds
     assert f"in load step {len(history.entries)}:" in checks.describe(found)
+
+
+def test_a_contact_without_a_width_and_a_negative_energy_fail(loop):
+    history, height = loop[0].history, loop[0].scaled.indenter.height
+    lost = replace(history.entries[-1], contact=(np.nan, np.nan), dissipated=-1.0)
+    found = checks.check(replace(history, entries=[*history.entries[:-1], lost]), height)
+    assert [name for name, check in found.items() if not check.holds] == ["contact has a width", "energy >= 0"]
+    assert "too few nodes" in checks.describe(found)
 
 
 def test_user_sees_checks_and_changing_states(tmp_path):

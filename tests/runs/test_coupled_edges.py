@@ -6,7 +6,7 @@ from mpi4py import MPI
 
 from analytic import CoupledLoop
 from simulations.fem.mesh import Grading, columns
-from simulations.fem.surface import fitted_contact_edges, fitted_stick_edges
+from simulations.fem.surface import SurfaceState, fitted_contact_edges, fitted_stick_edges
 from simulations.runs import coupled_loop
 from simulations.runs.coupled_loop import grades, loop_of, states_of
 from simulations.runs.expected_edges import FACETS_OF_WAY, Stop, stops_at
@@ -16,6 +16,17 @@ from simulations.runs.simulation import Simulation
 from simulations.runs.step_free import StepFree
 from simulations.runs.timing import Stopwatch
 from simulations.scene import DEFAULT_SCENE, make_scene, parse
+
+
+def test_of_two_zones_of_stick_the_longest_counts_not_the_one_with_more_nodes():
+    x = np.concatenate([np.linspace(-1, 0.5, 100), np.linspace(0.5, 1, 400)[1:]])
+    p, limit = np.sqrt(1.0 - np.minimum(x**2, 1.0)), 0.3
+    slides = (np.abs(x + 0.9) < 0.05) | (np.abs(x - 0.65) < 0.05)
+    q = np.where(slides, limit * p, 0.5 * limit * p)
+    zeros = np.zeros_like(x)
+    surface = SurfaceState(x, np.gradient(x), p, q, np.zeros((2, len(x))), np.zeros(2), zeros)
+    left, right = fitted_stick_edges(surface, limit, 1, (0.5, 0.5))
+    assert left == pytest.approx(-0.85, abs=0.05) and right == pytest.approx(0.6, abs=0.05)
 
 
 def plan(*settings) -> Plan:

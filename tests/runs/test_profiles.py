@@ -2,11 +2,14 @@
 
 import numpy as np
 import pytest
+from mpi4py import MPI
 from solving import deviations, solved
 
+from simulations.runs import checks
 from simulations.runs.comparison import compare, compare_state
 from simulations.runs.mesh_free import MeshFree
-from simulations.scene import DEFAULT_SCENE
+from simulations.runs.simulation import Simulation
+from simulations.scene import DEFAULT_SCENE, make_scene, parse
 
 MEDIUM = {
     "mesh__facet": 0.04,
@@ -44,6 +47,19 @@ def test_other_profiles_match_their_closed_form(profile):
 
 
 @pytest.mark.filterwarnings("error::RuntimeWarning")
+def test_a_contact_that_ends_on_the_flat_has_a_gap():
+    solid = {"solid.E0": 210e9, "solid.nu": 0.3, "solid.modulus": "homogeneous"}
+    pressed = solid | {"indenter.profile": "rounded flat", "indenter.R": 0.1, "indenter.flat": 1e-3, "load.P": 1.0}
+    simulation = Simulation(MPI.COMM_SELF, make_scene(pressed, base=None)).run_to_end()
+    found = checks.check(simulation.history, simulation.scaled.indenter.height)
+    assert found["gap >= 0"].holds
+
+
+@pytest.mark.parametrize("R", [0.09, 0.095, 0.1, 1e5])
+def test_the_digits_of_the_radius_are_not_in_the_order(R):
+    assert parse(DEFAULT_SCENE, (f"indenter.R={R}", f"load.P={1e7 * R}")).shape.order == 2.0
+
+
 def test_a_circle_may_end_above_the_mesh():
     """Under a large load the domain may be wider than the cylinder."""
     simulation = solved(scene_with("circle"), load__P=1.6e7, load__cycles=0, mesh__extent=40)

@@ -40,6 +40,11 @@ def test_a_steep_indenter_is_told_in_every_place(tmp_path):
     assert json.loads((tmp_path / "summary.json").read_text())["warnings"] == [words]
 
 
+def test_a_long_elastic_slip_is_told():
+    short, long = (coarse_simulation(effects__elastic_slip=length).warnings for length in (4e-8, 4e-7))
+    assert not short and len(long) == 1 and "mu P/E(a), which is long" in long[0]
+
+
 @pytest.mark.parametrize(
     "keys",
     [
