@@ -110,7 +110,7 @@ def _found(summary):
             row = [words, quantity(summary[name], unit)]
             for deviations, key, *_ in beside:
                 share, value = deviations.get(name), summary.get(key, {}).get(name)
-                row += ["–" if value is None else quantity(value, unit), "–" if share is None else f"{share:+.1e}"]
+                row += [quantity(value, unit), "–" if share is None else f"{share:+.1e}"]
             table.append(row)
     notes = []
     if summary.get("errors"):

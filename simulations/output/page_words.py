@@ -52,8 +52,10 @@ def prefixed(size: float, unit: str) -> tuple[float, str]:
     return 1.0, unit
 
 
-def quantity(value: float, unit: str, digits: int = 5) -> str:
-    """A number with its unit: 0.00104426 m is 1.0443 mm."""
+def quantity(value: float | None, unit: str, digits: int = 5) -> str:
+    """A number with its unit: 0.00104426 m is 1.0443 mm; a dash where it is not known."""
+    if value is None:
+        return "–"
     factor, name = prefixed(value, unit)
     return f"{value / factor:.{digits}g} {name}".strip().replace("-", "−", 1)
 

@@ -87,6 +87,12 @@ def test_a_check_that_fails_is_said(folder):
     assert "checks of the result fail" in text and "2.0e-02 1.0e-03 fails" in text
 
 
+def test_a_half_width_that_is_not_known_is_a_dash(folder):
+    (folder / "summary.json").write_text(json.dumps(summary_of(folder) | {"c_over_a": None}))
+    without_pictures(folder)
+    assert "stick half-width over contact half-width, c/a –" in Page(report.page(folder)).text
+
+
 def test_a_warning_is_said(folder):
     summary = summary_of(folder) | {"warnings": ["the stick zone < 5 facets"]}
     (folder / "summary.json").write_text(json.dumps(summary))
