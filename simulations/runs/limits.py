@@ -131,10 +131,10 @@ def check_resolution(scene: Scene, cells: Grading, loop: FrettingLoop | None):
 
 
 def warnings_of(scene: Scene, cells: Grading, loop: FrettingLoop | None, scaled: Scaled) -> list[str]:
-    """What theory or mesh show badly though the run is possible, in words: a steep indenter, a stick zone too narrow, an
-    elastic slip that is not small.
+    """What theory or mesh show badly though the run is possible, in words.
 
-    A narrow one spoils no more than c: p, q and energy do not feel it.
+    It may be a steep indenter, a long elastic slip or a narrow stick zone. The last spoils no more than c: p, q and
+    energy do not feel it.
     """
     found, facet = [steepness_warning(scene.half_width, scene.indenter)], min(cells.edge_facet, cells.facet)
     if loop is not None and loop.c < NARROWEST_STICK * facet:
@@ -145,8 +145,8 @@ def warnings_of(scene: Scene, cells: Grading, loop: FrettingLoop | None, scaled:
     soft = scaled.elastic_compliance(scene) / 2
     if soft > LONG_ELASTIC_SLIP:
         found.append(
-            f"effects.elastic_slip = {scene.effects.elastic_slip:g} m is {soft:.2g} mu P/E(a), which is long: at 0.1 the "
-            "energy of a cycle with load.amplitude = 0.9 is 4 % too large, at 0.3 16 %, with small amplitudes more"
+            f"effects.elastic_slip = {scene.effects.elastic_slip:g} m is {soft:.2g} mu P/E(a), which is long: at 0.1 "
+            "the energy of a cycle with load.amplitude = 0.9 is 4 % too large, at 0.3 16 %, with small amplitudes more"
         )
     return [words for words in found if words]
 
