@@ -23,6 +23,8 @@ CHECKS = {
     "slip against q": "work that sliding points gain from friction, over the most they can lose",
     "pressure zigzags": "pressure going up and down from node to node, over its range",
     "traction zigzags": "traction going up and down from node to node, over its range",
+    "contact has a width": "named states whose contact has too few nodes for a half-width",
+    "energy >= 0": "dissipated energy below zero, scaled",
     "error of pressure": "error of the pressure at the worst state, less what the reference's own error explains",
     "error of traction": "the same of the traction",
     "error of a": "the same of the contact half-width",

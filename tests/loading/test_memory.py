@@ -187,14 +187,14 @@ def zigzags_with_few_steps(k, nu, mu, amplitude, steps, facet) -> bool:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("loop", FEW.values())
-def test_tractions_do_not_zigzag_where_the_edge_of_contact_has_been(loop):
+def test_tractions_do_not_zigzag_where_the_edge_of_contact_has_been(loop, whole_steps):
     """Points at its old place slide for a moment, those of a curve may stick up to it, a band of stick may pass."""
     assert not zigzags_with_few_steps(*loop)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["PATIENT", "KEEPS"])
-def test_without_these_which_points_stop_is_not_settled(name, monkeypatch):
+def test_without_these_which_points_stop_is_not_settled(name, whole_steps, monkeypatch):
     monkeypatch.setattr(anchors, name, 10**9)
     assert zigzags_with_few_steps(*FEW[name])
 
