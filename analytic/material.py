@@ -8,12 +8,14 @@ import numpy as np
 
 from .checks import require
 
+LEAST_K = 1e-200  # products of a smaller k lose their digits below the smallest number
+
 
 @dataclass(frozen=True)
 class GradedHalfPlane:
     """Half-plane y > 0 with E(y) = E0 (y/y0)^k and constant Poisson's ratio nu, in plane strain.
 
-    E0: modulus at the depth y0 [stress], positive; nu: -1 < nu <= 1/2; k: -1 < k < 1;
+    E0: modulus at the depth y0 [stress], positive; nu: -1 < nu <= 1/2; k: -1 < k < 1, below LEAST_K taken for 0;
     y0: characteristic depth [length], positive. Other values raise ValueError.
     The normal and tangential problems decouple exactly only at nu = holl_ratio(k).
     """
@@ -28,6 +30,8 @@ class GradedHalfPlane:
         require("nu", self.nu, -1, 0.5, closed_high=True)
         require("k", self.k, -1, 1)
         require("y0", self.y0)
+        if abs(self.k) < LEAST_K:
+            object.__setattr__(self, "k", 0.0)
 
     @staticmethod
     def holl_ratio(k):

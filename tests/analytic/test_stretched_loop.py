@@ -4,7 +4,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 from defining_integrals import integrate, kernel_displacement, nonzero, relative_error
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from analytic import CylinderContact, GradedHalfPlane, GradedPair, PowerProfile, ProfileContact, StretchedLoop
@@ -135,6 +135,7 @@ def test_without_strain_it_is_the_loop(k):
 
 @settings(max_examples=30, deadline=None)
 @given(st.floats(-0.95, 0.95), st.floats(1e-6, 1 - 1e-6), st.floats(-1, 1), st.floats(-1, 1))
+@example(5e-324, 0.75, 0.0, 0.0)
 def test_strained_properties(k, load, share, Q):
     """Stick within the contact, friction law, slip against q, equilibrium, and a loop that closes."""
     stretched = loop_of(k, load, share)
