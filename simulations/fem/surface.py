@@ -114,8 +114,8 @@ def fitted_stick_edges(
     first, last = _longest_run(state.x, (limit > AT_LIMIT * limit.max()) & (slides == 0.0))
     margins = []
     for beyond in (first - 1, last):
-        s = slides[beyond] if 0 <= beyond < len(slides) else 0.0
-        margins.append(limit - ((s or direction) * q if s or direction else np.abs(q)))
+        s = (slides[beyond] if 0 <= beyond < len(slides) else 0.0) or direction
+        margins.append(limit - (s * q if s else np.abs(q)))
     return _edges(state.x, margins, first, last, exponents)
 
 

@@ -163,9 +163,11 @@ class LoadStepping:
 
         Points that slide through a long step are anchored where an estimate says that they stopped.
         """
+        if self._is_uncoupled or not self.problem.friction:
+            return self._advance(before, after, branch)
         begun = self._everything()
         cuts, unsettled = self._advance(before, after, branch), self._unsettled
-        zigzag = 0.0 if cuts or self._is_uncoupled or not self.problem.friction else self._zigzag()
+        zigzag = 0.0 if cuts else self._zigzag()
         if zigzag <= 1.0:
             return cuts
         whole = self._everything()
@@ -182,12 +184,12 @@ class LoadStepping:
         return 0
 
     def _everything(self):
-        return present_state.save(self.system), self.body.mesh.comm.bcast(self.save())
+        return present_state.save(self.system), self.save()
 
     def _put_back(self, saved):
         state, memory = saved
         present_state.restore(self.system, state)
-        self.restore(memory)
+        self.restore(self.body.mesh.comm.bcast(memory))
 
     def _advance(self, before: Load, after: Load, branch: str, depth: int = 0) -> int:
         """Solve a step, in two halves should every way fail; returns the number of halvings."""

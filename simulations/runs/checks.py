@@ -70,9 +70,7 @@ def check(
             ),
             "energy >= 0": Check(max(-history.dissipated_energy, 0.0), 0.0),
             "slip against q": Check(max(wrong, default=0.0), WRONG_SLIP),
-            "traction zigzags": Check(
-                max((traction_zigzags(e.surface, mu) for e in loaded), default=0.0), ZIGZAGS
-            ),
+            "traction zigzags": Check(max((traction_zigzags(e.surface, mu) for e in loaded), default=0.0), ZIGZAGS),
         }
         if not checks["slip against q"].holds:
             checks["slip against q"] = replace(checks["slip against q"], cause=AGAINST.format(np.argmax(wrong) + 2))
