@@ -41,14 +41,19 @@ def missed(degree: int, k: float, t):
     return sum(w * zeta((1 + k) / 2, (t - node) % 1.0) for node, w in zip(nodes, weights))
 
 
-@cache
 def best_place(degree: int, k: float) -> float:
-    """The place of an edge in its facet, from 0 at the inner end to 1, where φ vanishes most gently; -1 < k < 1.
+    """The place in its facet, from 0 at the inner end to 1, where an edge costs least; -1 < k < 1.
 
     Where traction ends nearly like a box, what is near the edge costs more than what is seen from afar.
     """
     if degree == 2 and k < STEEP_K:
         return float(np.interp(k, *MEASURED))
+    return vanishing_place(degree, k)
+
+
+@cache
+def vanishing_place(degree: int, k: float) -> float:
+    """The place in its facet where φ vanishes most gently: there the last nodal pressures do not zigzag."""
     t = np.linspace(OFF_NODE, 1 - OFF_NODE, 1000)
     values = missed(degree, k, t)
     change = np.flatnonzero(values[1:] * values[:-1] < 0)

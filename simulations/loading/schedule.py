@@ -38,9 +38,9 @@ class LoadStep:
         return Load(self.P, of_before * before.Q + of_this * self.Q, strain)
 
 
-def pressing(P: float, steps: int = 1) -> list[LoadStep]:
-    """The normal stage: P in steps of equal contact half-width, roughly."""
-    return [LoadStep(Load(P * (i / steps) ** 2)) for i in range(1, steps + 1)]
+def pressing(P: float, steps: int = 1, power: float = 2.0) -> list[LoadStep]:
+    """The normal stage: P in steps of equal contact half-width a, P proportional to a^power."""
+    return [LoadStep(Load(P * (i / steps) ** power)) for i in range(1, steps + 1)]
 
 
 def rocking(P: float, Q_A: float, cycles: int, quarter: int, harmonic: bool = False) -> list[LoadStep]:

@@ -50,7 +50,7 @@ class ExpectedEdges:
     What is at x is at -x too. first: half-width of contact after the first load step, if friction acts in it; stops:
     where an edge of stick or contact is after a load step, and the size of q there (Stop); exact: none is an estimate;
     fineness: ``facet`` over the facets on the way of the edges of stick, if more than 1; early: about where it stops
-    first, where these are not known.
+    first, where these are not known; pressed: half-widths of contact after load steps that press with friction, exact.
     """
 
     edges: tuple[float, ...]
@@ -61,6 +61,7 @@ class ExpectedEdges:
     exact: bool = False
     fineness: float = 1.0
     early: float | None = None
+    pressed: tuple[float, ...] = ()
 
     def sweeps(self, k: float, facet: float, edge_facet: float) -> tuple[tuple[float, float, float], ...]:
         """Intervals (from, to, facet length) over which edges move, on both sides.
@@ -68,7 +69,8 @@ class ExpectedEdges:
         For k < 0 traction ends the more steeply: facets are so small that an edge costs twice what it does at k = 0.
         Where pressure ends too, it costs ON_THE_WAY; for k < 0 facets there only come close to ``edge_facet``. At a
         stop they are smaller the smaller q is in that state, so that its relative error is that of the others. The
-        first contact has FIRST facets on either side.
+        first contact has FIRST facets on either side. After pressing with friction contact ends in
+        facets of the way, but has its place in them.
         """
         wanted = AT_STOPS[self.early is not None] * expected_error(0.0, facet)
         steep = min(size_for(wanted, min(k, 0.0)), facet / self.fineness)
@@ -92,6 +94,7 @@ class ExpectedEdges:
             ways.append((stop.x, stop.x, max(size, edge_facet)))
         if self.first:
             ways.append((0.0, 2 * self.first, self.first / FIRST))
+        ways += [(x, x, max(steep, edge_facet)) for x in self.pressed]
         return tuple(sorted({*ways, *((-right, -left, size) for left, right, size in ways)}))
 
 

@@ -1,8 +1,13 @@
 """Plan of a run before anything is meshed: scaled problem, closed forms, load schedule, wanted cell sizes."""
 
-from analytic import StretchedLoop
+from dataclasses import replace
+from functools import cached_property
 
-from ..fem.edge_place import best_place
+import numpy as np
+
+from analytic import PowerProfile, PressingWithFriction, StretchedLoop
+
+from ..fem.edge_place import best_place, vanishing_place
 from ..fem.load import Load
 from ..fem.mesh import Grading
 from ..loading.schedule import LoadStep, pressing, rocking, stretched, visiting
@@ -20,6 +25,7 @@ from .timing import Stopwatch
 # distance^-(1+k), so that coupled scenes with k < 0 want more (k = -0.5, slip: 5e-4 at 100 a, 2e-4 at 200 a).
 FARTHER = 5.0
 LARGEST_POWER = 1.43  # of the exponents 1/(1+k) that FARTHER gets: beyond 200 a tractions zigzag at k = -0.9
+STUCK_TERMS = 8  # of the exact contact pressed on with friction: 1e-5 of the displacement or better
 ROUGH_QUARTER = 2  # load steps per Q_A of the rough solution that finds edges under bulk strain
 
 
@@ -42,6 +48,15 @@ class Plan:
             strain = scene.bulk_strain * self.scaled.scales.length / self.scaled.scales.displacement
             self.stretched = StretchedLoop(self.loop, strain)
         self.schedule = self._schedule()
+
+    @cached_property
+    def pressed(self) -> PressingWithFriction | None:
+        """The exact contact under P = 1 where it is pressed on with friction and grows similar to itself, else None."""
+        on, profile = self.effects, self.scaled.indenter.analytic()
+        alike = "friction in normal stage" in on and "coupling" in on and self.scene.is_power_law
+        if not alike or not isinstance(profile, PowerProfile) or on.without_closed_form:
+            return None
+        return PressingWithFriction(self.scaled.solid, profile, self.mu, 1.0, STUCK_TERMS)
 
     @property
     def graded_for(self) -> tuple | None:
@@ -70,6 +85,8 @@ class Plan:
         sizes = scene.cell_sizes | {"extent": self.extent}
         if found.exact:
             sizes.setdefault("edge_at", best_place(scene.mesh.degree, scene.k))
+        elif found.pressed:
+            sizes.setdefault("edge_at", vanishing_place(scene.mesh.degree, scene.k))
         edges = {*found.edges, *(-e for e in found.edges)}
         sweeps = found.sweeps(scene.k, sizes["facet"], sizes["edge_facet"])
         return Grading(edges=tuple(sorted(edges)), sweeps=sweeps, **sizes)
@@ -80,31 +97,35 @@ class Plan:
         if "bulk strain" in self.effects:
             if self.stretched and self.effects.has_closed_form:
                 return exact_edges(self.stretched, loads)
-            loads = [step.load for step in self._loop(min(scene.cycles, 1), ROUGH_QUARTER)]
+            loads = [step.load for step in self._loop(min(scene.cycles, 1), ROUGH_QUARTER, pressing(1.0))]
             return rough_edges(scene, self.scaled, self.effects, loads)
         found = None
         if grades(scene, self.effects):
             found = loop_edges(scene, self.scaled, self.mu, self.schedule)
-        return found or expected_edges(scene, self.scaled, self.loop, self.effects, loads)
+        found = found or expected_edges(scene, self.scaled, self.loop, self.effects, loads)
+        if self.pressed and scene.is_loop and scene.k < 0:  # where contact ends steeply
+            steps = scene.solver.normal_increments
+            found = replace(found, pressed=tuple(self.pressed.contact_half_width * np.arange(1, steps + 1) / steps))
+        return found
 
     def _schedule(self):
         scene = self.scene
         steps = scene.solver.normal_increments if "friction in normal stage" in self.effects else 1
+        power = self.pressed.profile.m + scene.k if self.pressed else 2.0  # else a is not known
         if scene.is_path:
             points = [Load(P / scene.P, Q / scene.P) for P, Q in scene.load.points]
             first, *rest = points
-            return pressing(first.P, steps) + visiting(first, rest, scene.solver.increments)
+            return pressing(first.P, steps, power) + visiting(first, rest, scene.solver.increments)
         if not scene.friction:
             return pressing(1.0)
-        return self._loop(scene.load.cycles, scene.solver.increments, steps)
+        return self._loop(scene.load.cycles, scene.solver.increments, pressing(1.0, steps, power))
 
-    def _loop(self, cycles: int, quarter: int, pressing_steps: int = 1) -> list[LoadStep]:
-        """Pressing and rocking, ``quarter`` load steps per Q_A."""
+    def _loop(self, cycles: int, quarter: int, normal: list[LoadStep]) -> list[LoadStep]:
+        """The normal stage and rocking, ``quarter`` load steps per Q_A."""
         scene, scales = self.scene, self.scaled.scales
         strained, phase = "bulk strain" in self.effects, scene.load.bulk_phase or 0.0
         harmonic = strained and phase not in (0.0, "constant")  # else Q and strain go straight
-        loop = rocking(1.0, scene.load.amplitude * self.mu, cycles, quarter, harmonic)
-        schedule = pressing(1.0, pressing_steps) + loop
+        schedule = normal + rocking(1.0, scene.load.amplitude * self.mu, cycles, quarter, harmonic)
         if not strained:
             return schedule
         return stretched(schedule, scene.bulk_strain * scales.length / scales.displacement, phase)

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from functools import cached_property, partial
 
-from analytic import GradedHalfPlane, PowerLawKernel, PowerProfile, PressingWithFriction, point_force_displacement
+from analytic import GradedHalfPlane, PowerLawKernel, PressingWithFriction, point_force_displacement
 from analytic.coupled.exponents import edge_exponents
 
 from ..fem.body import ElasticBody, X, Y
@@ -40,7 +40,6 @@ from .timing import Stopwatch
 # The far field that vanishes at infinity is a rigid translation of order 1/k and little else where k > 0 is small: its
 # last digits would be contact forces. Below this k the field is measured from the depth of the domain, as for k <= 0.
 SMALLEST_K_AT_INFINITY = 0.01
-STUCK_TERMS = 8  # of the exact contact pressed on with friction: 1e-5 of the displacement or better
 
 
 class Simulation(Meshed):
@@ -91,7 +90,7 @@ class Simulation(Meshed):
                 directions = (X, Y) if "coupling" in self.effects else (X,)
                 elastic = self.scaled.elastic_compliance(scene)
                 frictional = ContactProblem(self.body, indenter.height, nitsche, directions, self.mu, elastic)
-        pressing = self.pressing_with_friction()
+        pressing = self.pressed
         self.solver = LoadStepping(
             normal,
             frictional,
@@ -189,14 +188,6 @@ class Simulation(Meshed):
 
     def _zigzag(self) -> float:
         return largest_zigzag(self.sampler.sample(self.solver.problem), self.mu) / ZIGZAGS
-
-    def pressing_with_friction(self) -> PressingWithFriction | None:
-        """The exact contact under P = 1 where it is pressed on with friction and grows similar to itself, else None."""
-        on, profile = self.effects, self.scaled.indenter.analytic()
-        alike = "friction in normal stage" in on and "coupling" in on and self.scene.is_power_law
-        if not alike or not isinstance(profile, PowerProfile) or on.without_closed_form:
-            return None
-        return PressingWithFriction(self.scaled.solid, profile, self.mu, 1.0, STUCK_TERMS)
 
     def _exponents(self):
         """Of tractions at edges where coupling changes them, see ``History``."""

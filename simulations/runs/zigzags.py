@@ -36,7 +36,8 @@ def cause(simulation: Simulation) -> str:
     critical, own = expected(scene, simulation.effects), critical_of_mesh(simulation)
     slip = elastic_slip(simulation)
     remedy = f"{slip}, a smaller load.mu or another mesh.degree may help"
-    smoother = f"{slip}, a smaller mesh.edge_facet or another number of solver.increments may help"
+    states = 'mesh.edges = "states", ' if scene.is_loop and scene.mesh.edges == "turns" else ""
+    smoother = f"{slip}, {states}a smaller mesh.edge_facet or another number of solver.increments may help"
     if scene.solver.theta > 0:
         return f"with solver.theta = {scene.solver.theta} not every gamma0 is stable: {OTHER_METHOD}"
     if critical is None:
