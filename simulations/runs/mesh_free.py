@@ -69,7 +69,7 @@ class MeshFree:
             raise NoReference(f"{failure}; {coating}" if coating else str(failure))
         self._states = [states[place] for place in places]
         self._schedule = simulation.schedule
-        self._energy = self._dissipated(simulation.pressed)
+        self._energy = self._dissipated(simulation.pressing_with_friction)
         self.coarser = self._coarser(simulation, nodes) if estimated else None
 
     def _coarser(self, simulation, nodes):

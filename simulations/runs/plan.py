@@ -50,7 +50,7 @@ class Plan:
         self.schedule = self._schedule()
 
     @cached_property
-    def pressed(self) -> PressingWithFriction | None:
+    def pressing_with_friction(self) -> PressingWithFriction | None:
         """The exact contact under P = 1 where it is pressed on with friction and grows similar to itself, else None."""
         on, profile = self.effects, self.scaled.indenter.analytic()
         alike = "friction in normal stage" in on and "coupling" in on and self.scene.is_power_law
@@ -103,15 +103,17 @@ class Plan:
         if grades(scene, self.effects):
             found = loop_edges(scene, self.scaled, self.mu, self.schedule)
         found = found or expected_edges(scene, self.scaled, self.loop, self.effects, loads)
-        if self.pressed and scene.is_loop and scene.k < 0:  # where contact ends steeply
-            steps = scene.solver.normal_increments
-            found = replace(found, pressed=tuple(self.pressed.contact_half_width * np.arange(1, steps + 1) / steps))
+        exact = self.pressing_with_friction
+        if exact and scene.is_loop and scene.k < 0:  # where contact ends steeply
+            steps = np.arange(1, scene.solver.normal_increments + 1)
+            found = replace(found, pressed=tuple(exact.contact_half_width * steps / steps[-1]))
         return found
 
     def _schedule(self):
         scene = self.scene
         steps = scene.solver.normal_increments if "friction in normal stage" in self.effects else 1
-        power = self.pressed.profile.m + scene.k if self.pressed else 2.0  # else a is not known
+        exact = self.pressing_with_friction
+        power = exact.profile.m + scene.k if exact else 2.0  # a(P) is not known
         if scene.is_path:
             points = [Load(P / scene.P, Q / scene.P) for P, Q in scene.load.points]
             first, *rest = points

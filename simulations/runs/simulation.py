@@ -90,7 +90,7 @@ class Simulation(Meshed):
                 directions = (X, Y) if "coupling" in self.effects else (X,)
                 elastic = self.scaled.elastic_compliance(scene)
                 frictional = ContactProblem(self.body, indenter.height, nitsche, directions, self.mu, elastic)
-        pressing = self.pressed
+        pressing = self.pressing_with_friction
         self.solver = LoadStepping(
             normal,
             frictional,

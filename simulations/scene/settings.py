@@ -51,7 +51,12 @@ class Solver(Table):
     method: Literal["condensed", "full"] = Field(
         default="condensed", description="contact forces alone as unknowns, or every displacement"
     )
-    normal_increments: Count = Field(default=20, ge=1, le=1000, description="of P, with friction in the normal stage")
+    normal_increments: Count = Field(
+        default=20,
+        ge=1,
+        le=1000,
+        description="of P, with friction in the normal stage: equal steps of the half-width under a power profile",
+    )
     increments: Count = Field(default=6, ge=1, le=1000, description="per quarter cycle, or from point to point")
     gamma0: Dimensionless = Field(
         default=10.0, ge=1e-3, le=1e6, description="Nitsche's parameter over m² E/((1−ν²) h), m = mesh.degree"

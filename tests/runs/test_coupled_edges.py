@@ -136,7 +136,7 @@ def test_pressed_with_friction_contact_grows_by_equal_steps_that_end_at_the_best
         parse(DEFAULT_SCENE, ("solid.k=-0.65", "solid.nu=-0.3", "load.mu=0.1", "reference.kind=none", *first_contact)),
     )
     pressed = [entry for entry, _ in zip(simulation.run(), range(10))]
-    exact = simulation.pressed.contact_half_width * np.arange(1, 11) / 10
+    exact = simulation.pressing_with_friction.contact_half_width * np.arange(1, 11) / 10
     assert [entry.a for entry in pressed[1:]] == pytest.approx(exact[1:], abs=3e-3)  # half a facet
     x, at = simulation.ordinates[0], vanishing_place(2, -0.65)
     after = np.searchsorted(x, exact)
