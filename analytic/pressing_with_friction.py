@@ -47,10 +47,15 @@ class PressingWithFriction:
         """c/a, for any P and A: 1 at the Holl ratio; 0 for k < 0 and weak friction, where every point slips."""
         return float(self._fields.punch.c) if self._fields.punch.sticks else 0.0
 
+    @property
+    def power(self):
+        """m + k, the power of a in P."""
+        return self.profile.m + self.solid.k
+
     @cached_property
     def contact_half_width(self):
         """a [length]."""
-        return (self._power * self.P / self._density) ** (1 / self._power)
+        return (self.power * self.P / self._density) ** (1 / self.power)
 
     @property
     def stick_half_width(self):
@@ -59,13 +64,13 @@ class PressingWithFriction:
 
     def load(self, a):
         """P(a) = C a^(m+k)/(m+k) [stress x length], of any shape."""
-        return self._density / self._power * np.asarray(a) ** self._power
+        return self._density / self.power * np.asarray(a) ** self.power
 
     @cached_property
     def dissipated_energy(self):
         """Friction work since first contact, per thickness [stress x length²]: 2 ∫∫ mu p |dh_x| dx; of order P a^m."""
         m, scale = self.profile.m, self._compliance * self._density**2
-        work = abs(self._drag) * self._fields.slip_work(self._power) / (2 * m + self.solid.k)
+        work = abs(self._drag) * self._fields.slip_work(self.power) / (2 * m + self.solid.k)
         return 2 * self.mu * scale * work * self.contact_half_width ** (2 * m + self.solid.k)
 
     @cached_property
@@ -113,14 +118,9 @@ class PressingWithFriction:
 
     def _traction(self, x, density):
         a = self.contact_half_width
-        return self._density * a ** (self._power - 1) * self._fields.grown(x / a, self._power, density)
+        return self._density * a ** (self.power - 1) * self._fields.grown(x / a, self.power, density)
 
     # -- the sum of punches ------------------------------------------------------------------------
-
-    @property
-    def _power(self):
-        """m + k, the power of a in P."""
-        return self.profile.m + self.solid.k
 
     @property
     def _compliance(self):

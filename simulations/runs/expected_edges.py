@@ -69,8 +69,8 @@ class ExpectedEdges:
         For k < 0 traction ends the more steeply: facets are so small that an edge costs twice what it does at k = 0.
         Where pressure ends too, it costs ON_THE_WAY; for k < 0 facets there only come close to ``edge_facet``. At a
         stop they are smaller the smaller q is in that state, so that its relative error is that of the others. The
-        first contact has FIRST facets on either side. After pressing with friction contact ends in
-        facets of the way, but has its place in them.
+        first contact has FIRST facets on either side. After pressing with friction contact ends in facets of the way,
+        but has its place in them.
         """
         wanted = AT_STOPS[self.early is not None] * expected_error(0.0, facet)
         steep = min(size_for(wanted, min(k, 0.0)), facet / self.fineness)

@@ -3,8 +3,6 @@
 from dataclasses import replace
 from functools import cached_property
 
-import numpy as np
-
 from analytic import PowerProfile, PressingWithFriction, StretchedLoop
 
 from ..fem.edge_place import best_place, vanishing_place
@@ -52,9 +50,10 @@ class Plan:
     @cached_property
     def pressing_with_friction(self) -> PressingWithFriction | None:
         """The exact contact under P = 1 where it is pressed on with friction and grows similar to itself, else None."""
-        on, profile = self.effects, self.scaled.indenter.analytic()
+        on = self.effects
         alike = "friction in normal stage" in on and "coupling" in on and self.scene.is_power_law
-        if not alike or not isinstance(profile, PowerProfile) or on.without_closed_form:
+        profile = self.scaled.indenter.analytic() if alike and not on.without_closed_form else None
+        if not isinstance(profile, PowerProfile):
             return None
         return PressingWithFriction(self.scaled.solid, profile, self.mu, 1.0, STUCK_TERMS)
 
@@ -105,15 +104,15 @@ class Plan:
         found = found or expected_edges(scene, self.scaled, self.loop, self.effects, loads)
         exact = self.pressing_with_friction
         if exact and scene.is_loop and scene.k < 0:  # where contact ends steeply
-            steps = np.arange(1, scene.solver.normal_increments + 1)
-            found = replace(found, pressed=tuple(exact.contact_half_width * steps / steps[-1]))
+            normal = (step.P for step in self.schedule if step.branch == "normal")
+            found = replace(found, pressed=tuple(replace(exact, P=P).contact_half_width for P in normal))
         return found
 
     def _schedule(self):
         scene = self.scene
         steps = scene.solver.normal_increments if "friction in normal stage" in self.effects else 1
         exact = self.pressing_with_friction
-        power = exact.profile.m + scene.k if exact else 2.0  # a(P) is not known
+        power = exact.power if exact else 2.0  # a(P) is not known
         if scene.is_path:
             points = [Load(P / scene.P, Q / scene.P) for P, Q in scene.load.points]
             first, *rest = points
