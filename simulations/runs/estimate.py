@@ -6,7 +6,6 @@ import numpy as np
 
 from ..scene import Scene, accuracy, make_scene
 from ..scene.effects import Effects
-from ..scene.solid import is_holl_ratio
 from .comparison import QUANTITIES, compare, worst
 from .coupled_loop import serves
 from .history import Entry, History
@@ -103,8 +102,7 @@ def _choice(scene: Scene) -> accuracy.Choice:
 
 
 def _asked(scene: Scene):
-    coupled = scene.effects.coupling and not is_holl_ratio(scene.solid.nu, scene.k)
-    return accuracy.of_load(scene.load, coupled, scene.k)
+    return accuracy.of_scene(scene.load, scene.solid.nu, scene.k, scene.effects.coupling)
 
 
 def expectation(scene: Scene) -> str:

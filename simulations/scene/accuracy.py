@@ -14,8 +14,10 @@ from math import isfinite
 from pathlib import Path
 
 from .errors import SceneError
+from .solid import is_holl_ratio
 
 TABLE = Path(__file__).with_name("accuracy.csv")
+FINEST_EDGE = 6e-5  # a, for k < 0: slip on thinner layers has ten times the error
 RESOLVED = 8  # edge facets in the slip zone, from which on its traction is about as good as that of a wider one
 MARGIN = 1.5  # loads and gradings between those measured; a and c are read between nodes, where errors change sign
 
@@ -44,32 +46,32 @@ class Choice:
     seconds: float
 
 
-def family(fineness: float, k: float) -> dict[str, float]:
+def family(fineness: float, k: float, coupled: bool = False) -> dict[str, float]:
     """Keys of the scene at a fineness t. For k <= 0 layers and edge facets are refined alike: the edge is sharp
-    both ways.
+    both ways. For k < 0 what lies outside the domain counts: 20 a leave 1.5e-4 of p at k = -0.5; with coupling it is
+    wider anyway.
     """
     t = fineness
     edge = min(1e-3 * t**2, 0.02)
     if k < 0:
-        edge = max(edge / 4.0, 2.5e-4)  # thinner layers of a modulus without bound, and Newton's method cycles
+        edge = max(edge / 4.0, FINEST_EDGE)
     sizes = {
         "facet": min(0.025 * t, 0.2),
         "edge_facet": edge,
         "growth": min(1.3**t, 2.0),
         "first_layer": edge if k <= 0 else 1e-3 * t,
-        "layer_growth": 2.0 if t > 2.5 else 1.6 if t > 0.8 else 1.4,
-        "extent": 20.0 if t > 0.6 else 30.0,
+        "layer_growth": 2.0 if t > 2.5 else 1.6 if t > 0.8 or k < 0 else 1.4,
+        "extent": 60.0 if k < 0 and not coupled else 20.0 if t > 0.6 else 30.0,
     }
-    steep = {"solver.gamma0": 3.0} if k < 0 else {}  # for the same reason
-    return {"mesh.degree": 3} | steep | {f"mesh.{name}": float(f"{value:.4g}") for name, value in sizes.items()}
+    return {"mesh.degree": 3} | {f"mesh.{name}": float(f"{value:.4g}") for name, value in sizes.items()}
 
 
-def of_load(load, coupled: bool, k: float) -> tuple[float, float | None, bool]:
+def of_scene(load, nu: float, k: float, coupling: bool) -> tuple[float, float | None, bool]:
     """A scene as the table knows it: k, Q_A/(mu P), which is 0.9 for paths and None without friction, and whether it
-    is a loop with coupling.
+    is a loop with coupling. coupling: whether it is on; at the Holl ratio there is none.
     """
     amplitude = getattr(load, "amplitude", 0.9) if getattr(load, "mu", None) is not None else None
-    return k, amplitude, coupled and hasattr(load, "amplitude")
+    return k, amplitude, coupling and hasattr(load, "amplitude") and not is_holl_ratio(nu, k)
 
 
 @cache
@@ -122,7 +124,7 @@ def expected(k: float, amplitude: float | None = 0.9, coupled: bool = False) -> 
         lines = [m for m in measured if m.fineness == t and m.k in (below, above) and isfinite(getattr(m, column))]
         if {m.k for m in lines} == {below, above}:
             worst = max(worst, *(getattr(m, column) for m in lines))  # a coarser mesh that happens to be better is luck
-            mesh = family(t, k)
+            mesh = family(t, k, coupled)
             error = MARGIN * beyond_measured(amplitude, k, mesh["mesh.edge_facet"]) * worst
             choices.append(Choice(t, mesh, error, max(m.seconds for m in lines)))
     return choices

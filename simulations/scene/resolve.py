@@ -14,7 +14,7 @@ from .fields import allowed, plain
 from .indenter import Shape, named, shape_of
 from .output import Output
 from .settings import EffectSwitches, Mesh, Reference, Solver, switches
-from .solid import is_holl_ratio, normal_contact
+from .solid import normal_contact
 from .steepness import look_at
 from .table import KINDS, Table, fields, model_for, unknown
 from .tables import ONE_OF_TWO, TANGENTIAL, AnyIndenter, AnyLoad, AnySolid, Formula, Fretting, Indentation, Path
@@ -38,8 +38,8 @@ def typed_tables(given: Mapping[str, Any]) -> dict[str, Table]:
     solver = Solver(**raw["solver"])
     if solver.accuracy is not None:
         k = getattr(solid, "k", 0.0) if effects.grading else 0.0
-        coupled = effects.coupling and not is_holl_ratio(solid.nu, k)
-        _choose_mesh(raw, accuracy.choose(solver.accuracy, *accuracy.of_load(load, coupled, k)))
+        asked = accuracy.of_scene(load, solid.nu, k, effects.coupling)
+        _choose_mesh(raw, accuracy.choose(solver.accuracy, *asked))
     return {
         "solid": _in_metres(solid, indenter, load),
         "indenter": indenter,
