@@ -18,7 +18,6 @@ from .studies.engine import workers
 from .studies.sweep_folder import TABLE, take
 from .studies.sweeping import Table, items_of, run_sweep, sweep
 from .studies.variation import check, product, read_table, read_vary
-from .version import __version__
 
 
 def main(arguments: list[str]):
@@ -44,7 +43,7 @@ def main(arguments: list[str]):
 def read(arguments: list[str]) -> Namespace:
     """The checked command line with ``cases``, ``items`` and ``store``; SceneError where anything is wrong."""
     program = "python -m simulations.sweep"
-    parser = Parser(prog=program, description=__doc__, allow_abbrev=False, conflict_handler="resolve")
+    parser = Parser(prog=program, description=__doc__, allow_abbrev=False)
     parser.add_argument("scene", nargs="?", type=Path, help="scene file (TOML); without one, the default scene")
     parser.add_argument(
         "--vary",
@@ -61,7 +60,6 @@ def read(arguments: list[str]) -> Namespace:
     parser.add_argument("--folders", action="store_true", help="also the results folder of every scene")
     parser.add_argument("--overwrite", action="store_true", help="replace another sweep in the folder")
     parser.add_argument("--quiet", action="store_true", help="say nothing but warnings and errors")
-    parser.add_argument("--version", action="version", version=f"graded-fretting {__version__}")
     given = parser.parse_args(arguments)
     given.text = DEFAULT_SCENE if given.scene is None else read_text(given.scene, "scene")
     read_keys(given.text, f"scene {shown(given.scene)}")

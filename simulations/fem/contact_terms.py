@@ -128,7 +128,7 @@ class ContactTerms:
     def trials(self) -> np.ndarray:
         """Trial traction and pressure (2, m) of this rank's surface points, linear in the displacements; 0 for none."""
         zero = np.zeros_like(self._state.values())
-        return np.array([self._trials[i].values().copy() if i in self._trials else zero for i in (X, Y)])
+        return np.array([self._trials[i].values() if i in self._trials else zero for i in (X, Y)])
 
     def round_off(self) -> float:
         """Norm of the contact forces that the last digits of the present displacement make: no residual gets below."""

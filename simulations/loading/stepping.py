@@ -56,9 +56,10 @@ class LoadStepping:
     """Runs load steps on a body, each by the problem of its stage.
 
     normal: the frictionless problem; frictional: the one that takes over when tangential loading starts, or from
-    the first contact on (``friction_first``), or None; system: function from a problem to the newton.System that
-    solves it; tolerance: Newton's, of forces and loads over P; stuck: where points at x (n,) stick while P grows from
-    first contact under friction, as a function of P and x, nan where they do not; None where this is not known;
+    the first contact on (``friction_first``), or None; system: function from a problem to the
+    solvers.system.System that solves it; tolerance: Newton's, of forces and loads over P; stuck: where points at x (n,)
+    stick while P grows from first contact under friction, as a function of P and x, nan where they do not; None where
+    this is not known;
     solid: the half-plane that the body is near its surface, None where r of ``anchors`` is to be the same everywhere;
     zigzag: by how much coupled tractions of the present state zigzag, over what is allowed, on every rank.
     """
@@ -278,9 +279,9 @@ class LoadStepping:
     def _clearance(self):
         """Of the surface points; without coupling from the frictionless problem, whose state is held."""
         if not self._is_uncoupled:
-            return self.problem.terms.clearance.values().copy()
+            return self.problem.terms.clearance.values()
         tangential, rigid = self.problem.held.remove_tangential(), self.body.delta.value.copy()
-        clearance = self.normal.terms.clearance.values().copy()
+        clearance = self.normal.terms.clearance.values()
         self.body.state.x.array[:] += tangential
         self.body.delta.value[:] = rigid
         return clearance
@@ -289,7 +290,7 @@ class LoadStepping:
         """The indenter's height above the surface points: their clearance before the first contact."""
         state, rigid = self.body.state.x.array.copy(), self.body.delta.value.copy()
         self.body.state.x.array[:], self.body.delta.value[:] = 0.0, 0.0
-        height = self.normal.terms.clearance.values().copy()
+        height = self.normal.terms.clearance.values()
         self.body.state.x.array[:], self.body.delta.value[:] = state, rigid
         return height
 

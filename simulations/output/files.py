@@ -22,7 +22,7 @@ QUANTITIES = {  # of surface.h5: unit and meaning
     "pressure": ("Pa", "contact pressure"),
     "gap": ("m", "distance between surface and indenter along the normal, f(x) - u_y - delta_y with u_y upwards"),
     "traction": ("Pa", "tangential traction on the half-plane, positive along +Q"),
-    "slip": ("m", "u_x - delta_x since tangential loading began"),
+    "slip": ("m", "u_x - delta_x since tangential loading began, less elastic slip"),
     "contact_state": ("–", "0 separated, 1 stick (without friction: in contact), 2 slip"),
     "frictional_work": ("J/m²", "energy dissipated per area of surface since the start"),
     "frictional_work_of_cycle": ("J/m²", "w, equation (51): the same of the last full cycle, or since the start"),
@@ -72,11 +72,11 @@ def write_text(path: Path, text: str):
         partial.write_text(text, encoding="utf-8")
 
 
-def write_table(path: Path, rows: list[dict], left_out: tuple[str, ...] = ()):
-    """A CSV file, a column for each key that any row has, in the order in which they come, but those ``left_out``."""
-    names = [name for name in dict.fromkeys(name for row in rows for name in row) if name not in left_out]
+def write_table(path: Path, rows: list[dict]):
+    """A CSV file, a column for each key that any row has, in the order in which they come."""
+    names = list(dict.fromkeys(name for row in rows for name in row))
     table = io.StringIO()
-    writer = csv.DictWriter(table, names, extrasaction="ignore", lineterminator="\n")
+    writer = csv.DictWriter(table, names, lineterminator="\n")
     writer.writeheader()
     writer.writerows(rows)
     write_text(path, table.getvalue())

@@ -8,7 +8,6 @@ and a study that was stopped goes on where it was.
 from argparse import Namespace
 from collections.abc import Iterable
 
-import matplotlib.pyplot as plt
 import numpy as np
 from mpi4py import MPI
 
@@ -192,7 +191,6 @@ def draw(folder, found: list[dict]):
         axis.set(xlabel="stated error [–]", ylabel="true error [–]")
         axis.legend()
         style.save(figure, folder, "campaign")
-        plt.close(figure)
 
 
 def main(arguments: list[str]):

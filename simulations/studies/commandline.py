@@ -5,14 +5,12 @@ from pathlib import Path
 
 from ..command.command import Parser, writable
 from ..scene import SceneError
-from ..version import __version__
 
 
 def study_parser(name: str, description: str | None, output: str | None = None, page: str | None = None) -> Parser:
     """Parser of ``python -m simulations.studies.NAME``. output: default folder; page: what its page holds."""
     program = f"python -m simulations.studies.{name}"
-    parser = Parser(prog=program, description=description, allow_abbrev=False, conflict_handler="resolve")
-    parser.add_argument("--version", action="version", version=f"graded-fretting {__version__}")
+    parser = Parser(prog=program, description=description, allow_abbrev=False)
     if output is not None:
         parser.add_argument(
             "--output", type=Path, default=Path(output), metavar="DIR", help=f"folder for results (default: {output})"

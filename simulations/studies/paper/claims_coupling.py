@@ -41,10 +41,10 @@ class Difference:
     shift: float
 
 
-def simulated(k: float, nu: float, mu: float = MU, coupling: bool = True, cycles: int = 2) -> SimulatedLoop:
+def simulated(k: float, nu: float, mu: float = MU) -> SimulatedLoop:
     """Mesh-free loop of amplitude AMPLITUDE in units of a0, y0 = DEPTH."""
     normal = contact(k, DEPTH, nu)
-    return simulate(normal.solid, PARABOLA, normal.P, mu, AMPLITUDE, coupling, cycles, attempts=SIMULATION)
+    return simulate(normal.solid, PARABOLA, normal.P, mu, AMPLITUDE, True, 2, attempts=SIMULATION)
 
 
 def difference(k: float, nu: float, mu: float = MU) -> Difference | None:

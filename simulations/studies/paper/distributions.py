@@ -19,9 +19,9 @@ QUANTITIES = {
 NAMES = {"traction": "Tangential traction", "density": "Energy dissipated per cycle and area"}
 
 
-def curve(k: float, y0_over_a0: float, share: float, quantity: str, x, nu: float = NU) -> np.ndarray:
+def curve(k: float, y0_over_a0: float, share: float, quantity: str, x) -> np.ndarray:
     """Closed form (47) or (51) at x/a0, shape of x, in the figures' units; share = Q/(mu P)."""
-    normal = contact(k, y0_over_a0, nu)
+    normal = contact(k, y0_over_a0, NU)
     loop = normal.fretting(MU, z=1 - share)
     values = loop.amplitude.traction(x) if quantity == "traction" else loop.energy_density(x)
     # beside the contact h_x is the free surface's and q is zero

@@ -13,7 +13,7 @@ from ...scene import Scene, make_scene
 from ...scene.scaling import Scaled
 from .setting import MU, Units, own_units
 
-DRAWN = 41  # computed points drawn a curve
+DRAWN, REACH = 41, 1.05  # computed points drawn a curve, and up to where, over a
 
 
 @dataclass(frozen=True)
@@ -31,9 +31,9 @@ class Field:
         """4 q h_x of a state at +Q_A, (51)."""
         return -4 * self.traction * self.slip
 
-    def drawn(self, farthest: int, reach: float = 1.05, count: int = DRAWN) -> np.ndarray:
-        """Indices of about ``count`` nodes evenly spread over |x| < ``reach`` a, and of the node ``farthest``."""
-        wanted = np.linspace(-reach, reach, count)
+    def drawn(self, farthest: int) -> np.ndarray:
+        """Indices of about DRAWN nodes evenly spread over |x| < REACH a, and of the node ``farthest``."""
+        wanted = np.linspace(-REACH, REACH, DRAWN)
         return np.unique([*np.clip(np.searchsorted(self.x, wanted), 0, len(self.x) - 1), farthest])
 
 
