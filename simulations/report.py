@@ -7,7 +7,6 @@ import json
 from pathlib import Path
 
 import matplotlib.pyplot as plt
-import numpy as np
 
 from .command.command import Parser, on_root, run, say
 from .output import page_figures as figures
@@ -17,7 +16,7 @@ from .output.folder import refuse_changed
 from .output.page_words import CHECKS, FIELDS, PHASES, QUANTITIES, asked, quantity
 from .output.style import left_out, spread, style
 from .scene import SceneError, parse, shown
-from .studies.body_stress import draw, half_width
+from .studies.body_stress import draw, half_width, inside
 
 PAGE = "report.html"
 SHOWN_STATES = 6  # of the body
@@ -165,7 +164,7 @@ def _body(folder, rows):
         lines = -(-len(drawn) // 3)
         size = (figures.WIDTH, 2.1 * lines + 0.4)
         figure, axes = plt.subplots(lines, 3, figsize=size, layout="constrained", squeeze=False)
-        scale = max(_below(state, a) for state in drawn)
+        scale = max(inside(state, a).max() for state in drawn)
         for axis, state in zip(axes.flat, drawn, strict=False):
             filled = draw(axis, state, a, scale)
         for axis in axes.flat[len(drawn) :]:
@@ -174,11 +173,6 @@ def _body(folder, rows):
         image = figures.png(figure)
     note = _paragraph(left_out(len(drawn), len(states)), "small")
     return "<h2>Stress in the body</h2>" + _image(image, "von Mises stress below the contact at recorded states") + note
-
-
-def _below(state, a):
-    """Largest stress beneath the surface layers, in which a graded body may carry a spike [Pa]."""
-    return float(state.von_mises[np.ix_((state.y > 0.02 * a) & (state.y < 3 * a), np.abs(state.x) < 3 * a)].max())
 
 
 def _solved(summary):

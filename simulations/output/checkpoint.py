@@ -122,7 +122,7 @@ def load(folder: Path) -> Saved:
     """The run in ``folder``; without a checkpoint its scene alone. SceneError where none is or it does not fit."""
     scene = read_scene(folder)
     if not (folder / FOLDER / "memory.npz").exists():
-        return Saved(scene)
+        return Saved(scene, resumed=1)
     try:
         content = io.BytesIO((folder / FOLDER / "memory.npz").read_bytes())  # numpy leaves a damaged file open
         with np.load(content, allow_pickle=False) as archive:
@@ -172,6 +172,7 @@ def _refusal(folder, why) -> SceneError:
 
 def restore(saved: Saved, simulation: Simulation):
     """Take a new Simulation to where ``saved`` was left."""
+    simulation.resumed = saved.resumed
     if saved.states is None or saved.memory is None or saved.seconds is None:
         return
     sampler, solver, done = simulation.sampler, simulation.solver, simulation.schedule[: saved.increments]
@@ -184,7 +185,6 @@ def restore(saved: Saved, simulation: Simulation):
     solver.skip(done)
     memory.restore(saved.memory, solver, simulation.numbering)
     simulation.watch.go_on(saved.seconds)
-    simulation.resumed = saved.resumed
 
 
 def is_complete(folder: Path) -> bool:
@@ -192,9 +192,10 @@ def is_complete(folder: Path) -> bool:
     return bool(_summary(folder).get("converged")) and not (folder / FOLDER / "memory.npz").exists()
 
 
-def failing_checks(folder: Path) -> list[str]:
-    """Names of the checks that the results of a complete run do not pass."""
-    return [name for name, check in _summary(folder).get("checks", {}).items() if not check["holds"]]
+def failing_checks(folder: Path, wanted: tuple[str, ...]) -> list[str]:
+    """Names of the checks that a complete run does not pass, and of those ``wanted`` that were not made."""
+    made = _summary(folder).get("checks", {})
+    return [name for name, check in made.items() if not check["holds"]] + [name for name in wanted if name not in made]
 
 
 def _summary(folder) -> dict:

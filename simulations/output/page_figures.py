@@ -45,7 +45,8 @@ def surface(folder: Path, rows: list[dict]) -> bytes | None:
             _loop(free.pop(0), free.pop(0), rows, shown)
         for axis in free:
             axis.set_visible(False)
-        labels = [_label(state, data, place) for state, place in shown.items()]
+        varies = "P_prescribed" in data and np.ptp(data["P_prescribed"][list(shown.values())]) > 0
+        labels = [_label(state, data, place, varies) for state, place in shown.items()]
         title = left_out(len(shown), len(named))
         figure.legend(axes[0, 0].lines, labels, loc="outside lower center", ncols=len(labels), title=title)
         return png(figure)
@@ -68,25 +69,25 @@ def _named(states) -> dict[str, int]:
     return {name: i for i, name in enumerate(states) if name}
 
 
-def _label(state, data, place):
-    """A state by its name and its load."""
+def _label(state, data, place, varies):
+    """A state by its name and its loads; varies: P is not the same in all of them."""
+    P = f"P = {quantity(data['P_prescribed'][place], 'N/m', 4)}"
     if "Q_prescribed" not in data:
-        return f"P = {quantity(data['P_prescribed'][place], 'N/m', 4)}"
-    return f"{state}: Q = {quantity(data['Q_prescribed'][place], 'N/m', 4)}"
+        return P
+    Q = f"Q = {quantity(data['Q_prescribed'][place], 'N/m', 4)}"
+    return f"{state}: {P + ', ' if varies else ''}{Q}"
 
 
 def _states(axis, data, name, words, unit, shown, reach):
     """One field over x at the states shown. Lines, as a node is where they bend."""
     length, metres = prefixed(reach, "m")
     fields = data[name][list(shown.values())]
-    size, label = prefixed(np.abs(fields[:, np.abs(data["x"]) < reach]).max(), unit)
+    if name == "slip":  # outside the contact it is no slip
+        fields = np.where(data["pressure"][list(shown.values())] > 0, fields, np.nan)
+    size, label = prefixed(np.nanmax(np.abs(fields[:, np.abs(data["x"]) < reach])), unit)
     for i, field in enumerate(fields):
         axis.plot(data["x"] / length, field / size, linestyle=DASHES[i], color=COLOURS[i])
     axis.set(xlim=(-reach / length, reach / length), xlabel=f"position x [{metres}]", ylabel=f"{words} [{label}]")
-    if name == "slip":  # outside the contact it is no slip
-        inside = np.abs(data["x"]) < reach / 1.12
-        top = 1.1 * np.abs(fields[:, inside]).max() / size
-        axis.set(ylim=(-top, top) if top > 0 else None)
 
 
 def _density(axis, data, reach, has_cycle):

@@ -24,10 +24,10 @@ CHECKS = {
     "pressure zigzags": "pressure going up and down from node to node, over its range",
     "traction zigzags": "traction going up and down from node to node, over its range",
     "contact has a width": "named states whose contact has too few nodes for a half-width",
-    "energy >= 0": "dissipated energy below zero, scaled",
     "error of pressure": "error of the pressure at the worst state, less what the reference's own error explains",
     "error of traction": "the same of the traction",
     "error of a": "the same of the contact half-width",
+    "error of c": "the same of the stick half-width, over the contact half-width",
     "error of dissipated_energy": "the same of the dissipated energy",
 }
 EFFECTS = {  # what it means that they are on
@@ -106,7 +106,17 @@ def _load(scene: Scene) -> str:
     Q = f"Q_A = {load.amplitude:g} μP = {quantity(load.amplitude * load.mu * load.P, 'N/m')}"
     often = "once" if load.cycles == 1 else f"{load.cycles} times"
     back = f", then {often} to −Q_A and back" if load.cycles else " and stays there"
-    return f"{P}, the coefficient of friction μ = {load.mu:g}. The tangential line load goes to {Q}{back}."
+    friction = f"the coefficient of friction μ = {load.mu:g}"
+    return f"{P}, {friction}. The tangential line load goes to {Q}{back}.{_strain(scene)}"
+
+
+def _strain(scene: Scene) -> str:
+    if not scene.bulk_strain:
+        return ""
+    phase = getattr(scene.load, "bulk_phase", None) or 0.0
+    course = "with Q up to Q_A, and stays" if phase == "constant" else f"{phase:g}° behind Q" if phase else "with Q"
+    sense = "tension" if scene.bulk_strain > 0 else "compression"
+    return f" The body is strained along the surface by {scene.bulk_strain:.4g} ({sense} at +Q_A), {course}."
 
 
 def _physics(scene: Scene) -> str:

@@ -34,7 +34,7 @@ def plot_run(path: Path, title: str, simulation: Simulation, lines: dict[str, Re
         size = (4.7 * columns, 3.8 * rows + 1.5)
         figure, axes = plt.subplots(rows, columns, figsize=size, squeeze=False)
         space = {"top": 1 - 0.9 / size[1], "bottom": 1.3 / size[1], "left": 0.78 / size[0], "right": 1 - 0.2 / size[0]}
-        figure.subplots_adjust(**space, hspace=0.36, wspace=0.24)
+        figure.subplots_adjust(**space, hspace=0.36, wspace=0.3)
         figure.suptitle(f"{title}\n{in_words(simulation.scene)}", wrap=True, parse_math=False, fontsize=11)
         _pressure(axes[0, 0], simulation, lines)
         if history.friction:
@@ -187,8 +187,8 @@ def _closed_loop(axis, beside, loop, unit, style, is_cycle):
 def _legend(figure, simulation, lines):
     """One for all panels, below them."""
     history, mu, handles = simulation.history, simulation.mu, []
+    varies = min(entry.step.P for entry in _states(history) or history.entries[-1:]) < CONSTANT
     if history.friction:
-        varies = min((entry.step.P for entry in _states(history)), default=1.0) < CONSTANT
         for entry, colour, marker in zip(_states(history), COLOURS, MARKERS):
             step = entry.step
             normal = rf"${step.P:.2f}\,P$, " if varies else ""
@@ -198,12 +198,13 @@ def _legend(figure, simulation, lines):
     handles += [plt.Line2D([], [], ls=s, color=GREY, lw=1, label=label) for label, s in zip(lines, STYLES)]
     if lines:
         handles += [plt.Line2D([], [], **WORST, label=f"node farthest from the {next(iter(lines))}")]
-    note = ""
+    is_graded = simulation.scene.is_power_law
+    of = "under it, without friction" if is_graded else "of a half-plane like the coating, under it"
+    note = f"$P$: the largest normal load;  $a$: contact half-width {of}" if varies or not is_graded else ""
     if history.friction:
         shown = left_out(len(_states(history)), len(_named(history)))
-        loads = "$P$: the largest normal load;  $a$: contact half-width under it, without friction" if varies else ""
         symbols = r"$f(a)$: height of the indenter at $x = a$;  $\alpha$: equation (37)"
-        note = ";  ".join(filter(None, (loads, symbols, shown)))
+        note = ";  ".join(filter(None, (note, symbols, shown)))
     figure.legend(handles=handles, loc="lower center", ncols=5 if history.friction else 2, title=note, title_fontsize=9)
 
 

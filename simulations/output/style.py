@@ -31,15 +31,33 @@ PIXELS_PER_INCH = 130
 
 def in_words(scene: Scene) -> str:
     """Parameters and loads of a run, for the title of its pictures."""
-    values = [f"k = {scene.k:g}".replace("-", "−"), f"ν = {scene.solid.nu:.4g}", f"P = {scene.P:.4g} N/m"]
+    values = [_modulus(scene), f"ν = {scene.solid.nu:.4g}", f"P = {scene.P:.4g} N/m"]
+    if scene.indenter.profile != "parabola":
+        values.append(f"{scene.indenter.profile} profile")
     if scene.friction:
         values.append(f"μ = {scene.mu:g}")
+    if scene.effects.friction_in_normal_stage:
+        values.append("friction from first contact")
     if isinstance(scene.load, tables.Fretting):
         values.append(f"Q_A = {scene.load.amplitude:g} μP")
     if isinstance(scene.load, tables.Path):
         Q = max(abs(Q) for _, Q in scene.load.points)
-        values.append(f"{len(scene.load.points)} points of (P, Q), |Q| ≤ {Q:.4g} N/m")
+        most = f", |Q| ≤ {Q:.4g} N/m" if scene.friction else ""
+        values.append(f"{len(scene.load.points)} points of (P, Q){most}")
+    if scene.bulk_strain:
+        phase = getattr(scene.load, "bulk_phase", None)
+        course = f" {phase:g}° behind Q" if isinstance(phase, float) and phase else f" {phase}" if phase else ""
+        values.append(f"bulk strain {scene.bulk_strain:.3g}{course}")
     return ",  ".join(values)
+
+
+def _modulus(scene):
+    """E(y) in a few words."""
+    solid, thickness = scene.material, getattr(scene.material, "thickness", None)
+    law = f"k = {scene.k:g}".replace("-", "−")
+    if hasattr(solid, "E_substrate"):
+        law = f"{solid.modulus} coating: E = {solid.E0 / 1e9:.4g} to {solid.E_substrate / 1e9:.4g} GPa"
+    return law if thickness is None else f"{law} over {1e3 * thickness:.4g} mm"
 
 
 def spread(states: list, most: int = len(COLOURS)) -> list:

@@ -165,7 +165,9 @@ def profile(scene: Scene) -> Verdict:
     formula = getattr(scene.indenter, "formula", "")
     if shape == "parabola":
         return Verdict(False, shape, "no other profile")
-    return Verdict(True, f"{shape} {formula}".strip(), "nodal values of f(x), its own closed form")
+    exponent = getattr(scene.indenter, "exponent", None)
+    power = f"exponent {exponent:g}" if exponent is not None else ""
+    return Verdict(True, " ".join(filter(None, (shape, formula, power))), "nodal values of f(x)")
 
 
 ALL: list[Effect] = []

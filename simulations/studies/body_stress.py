@@ -31,7 +31,7 @@ def main(arguments: list[str]):
     states, a = given.states, given.a
     scale = max(float(state.von_mises[np.ix_(state.y < 3 * a, np.abs(state.x) < 3 * a)].max()) for state in states)
     # a graded surface may carry a spike of stress in one thin layer: let it saturate rather than hide the rest
-    scale = min(scale, 1.05 * max(float(_inside(state, a).max()) for state in states))
+    scale = min(scale, 1.05 * max(float(inside(state, a).max()) for state in states))
     with style():
         shown = [state for state in states if state.label != "A, reloading"] or states  # A is there already
         columns = min(3, len(shown))
@@ -50,8 +50,8 @@ def main(arguments: list[str]):
     say(f"written to {given.output}: {', '.join(path.name for path in paths)}")
 
 
-def _inside(state: BodyState, a: float):
-    """Stress beneath the surface layers, where the maximum of a contact lies."""
+def inside(state: BodyState, a: float):
+    """Stress beneath the surface layers, in which a graded body may carry a spike."""
     return state.von_mises[np.ix_((state.y > 0.02 * a) & (state.y < 3 * a), np.abs(state.x) < 3 * a)]
 
 

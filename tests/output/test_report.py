@@ -179,7 +179,8 @@ def test_states_of_the_picture(names, shown, said):
     history = SimpleNamespace(entries=[SimpleNamespace(step=step) for step in steps], friction=True)
     assert [entry.step.state for entry in plots._states(history)] == shown
     figure = plt.figure()
-    plots._legend(figure, SimpleNamespace(history=history, mu=0.5), {})
+    scene = SimpleNamespace(is_power_law=True)
+    plots._legend(figure, SimpleNamespace(history=history, mu=0.5, scene=scene), {})
     (legend,) = figure.legends
     texts = [text.get_text() for text in legend.get_texts()]
     assert texts[0].startswith(f"{shown[0]}: $Q = {2 * 0.1 * (len(names) - 1 - names[::-1].index(shown[0])):+.2f}")
