@@ -55,7 +55,7 @@ class Result:
 
     @cached_property
     def slip(self) -> np.ndarray:
-        """(s, n) u_x - delta_x since tangential loading began, m; 0 without friction."""
+        """(s, n) u_x - delta_x since tangential loading began, less the elastic slip, m; 0 without friction."""
         return self._stack(lambda entry: entry.slip, self.simulation.scaled.scales.displacement)
 
     @cached_property
@@ -100,10 +100,7 @@ class Result:
     @cached_property
     def checks(self) -> dict[str, checks.Check]:
         """What the run is checked for after the solve, by name: value, limit, and whether it ``holds``."""
-        simulation = self.simulation
-        coupled = "coupling" in simulation.effects or not simulation.scene.friction
-        height, cause = simulation.scaled.indenter.height, lambda: zigzags.cause(simulation)
-        return checks.check(simulation.history, height, coupled, cause)
+        return zigzags.checked(self.simulation)
 
     def errors(self) -> dict[str, float]:
         """Relative deviations from what has the same physics; reference.NoReference where there is none."""

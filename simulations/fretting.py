@@ -2,12 +2,14 @@
 
 import shlex
 import sys
+from math import nan
 
 from .command.arguments import Request, read_request, set_petsc_options
 from .command.command import comm, on_root, run, say
 from .command.progress import Progress
 from .command.stopping import stopping
 from .fem import parallel
+from .loading.stepping import SolveError
 from .output import checkpoint
 from .output.files import OutputError
 from .output.folder import begin, claimed, files, refuse_changed
@@ -18,15 +20,23 @@ from .runs.explain import explain
 from .runs.reference import expected_seconds
 from .runs.simulation import Simulation
 from .runs.timing import Stopwatch
-from .scene import DEFAULT_SCENE
+from .scene import DEFAULT_SCENE, SceneError
 
 
 TOO_COARSE = "more solver.increments or a smaller solver.accuracy may help"
 
 
-def main(arguments: list[str], program: str = "simulations.fretting", description=__doc__, default=DEFAULT_SCENE):
+def main(
+    arguments: list[str],
+    program: str = "simulations.fretting",
+    description=__doc__,
+    default=DEFAULT_SCENE,
+    has_friction: bool = True,
+):
     """Read the scene, run it, keep what it yields, and print the results beside the closed form."""
     request = on_root(lambda: read_request(arguments, program, description, default))
+    if request.scene.friction and not has_friction:
+        raise SceneError(f"load.mu = {request.scene.mu:g} is not allowed with {program}: simulations.fretting takes it")
     set_petsc_options(request.petsc)
     if request.explain:
         say(explain(Simulation(comm, request.scene)))
@@ -35,8 +45,10 @@ def main(arguments: list[str], program: str = "simulations.fretting", descriptio
     if request.resume:
         on_root(lambda: refuse_changed(folder))
     if request.resume and on_root(lambda: checkpoint.is_complete(folder)):
-        say(f"{folder} is complete: nothing is left to do")
-        failing = on_root(lambda: checkpoint.failing_checks(folder))
+        if not request.quiet:
+            say(f"{folder} is complete: nothing is left to do")
+        wanted = ("accuracy",) if request.scene.solver.accuracy is not None else ()  # the last, after the results
+        failing = on_root(lambda: checkpoint.failing_checks(folder, wanted))
         if failing:
             raise ChecksFailed(f"checks that fail: {', '.join(failing)}")
         return
@@ -44,7 +56,7 @@ def main(arguments: list[str], program: str = "simulations.fretting", descriptio
         stopping.tell(f"start again with {request.command}")
         progress = Progress(request.quiet)
         simulation = prepare(request, progress)
-        again = f"python -m {program} --resume {shlex.quote(str(folder))}"
+        again = shlex.join(["python", "-m", program, "--resume", str(folder), *request.petsc])
         go(simulation, folder, progress, again)
 
 
@@ -53,9 +65,9 @@ def prepare(request: Request, progress: Progress) -> Simulation:
     saved = on_root(lambda: checkpoint.load(request.output)) if request.resume else None
     watch = Stopwatch(progress.phase)
     simulation = Simulation(comm, request.scene, saved.cells if saved else None, watch=watch)
-    if saved and saved.increments:
+    if saved:
         checkpoint.restore(saved, simulation)
-    elif not saved:
+    else:
         parallel.on_root(comm, lambda: begin(request.output, request.scene), OutputError)
     return simulation
 
@@ -95,8 +107,13 @@ def judge(simulation: Simulation, results: Results, progress: Progress):
     errors = comm.bcast(measured(results.findings.exact, wanted) if results.findings else None)
     if errors is None:
         progress.say("second mesh, for the estimate of the error")
-        other, ratio = coarser(comm, scene)
-        errors = estimated(simulation, other.run_to_end(), ratio)
+        try:
+            other, ratio = coarser(comm, scene)
+            errors = estimated(simulation, other.run_to_end(), ratio)
+        except (SceneError, SolveError) as reason:  # the run itself is done
+            check = Check(nan, wanted, f"the error is not known, as the second mesh fails: {reason}")
+            results.judge_accuracy(check, {"wanted": wanted, "is_within": False})
+            return
     check = Check(errors.largest, wanted, "" if errors.largest <= wanted else TOO_COARSE)
     for words in errors.in_words():
         progress.say(words)

@@ -19,7 +19,7 @@ P = 1.0e6             # N/m
 
 def main(arguments: list[str]):
     """A scene without tangential load: half the domain, no friction in the forms, the unknowns or the files."""
-    fretting.main(arguments, "simulations.indentation", __doc__, DEFAULT_SCENE)
+    fretting.main(arguments, "simulations.indentation", __doc__, DEFAULT_SCENE, has_friction=False)
 
 
 if __name__ == "__main__":

@@ -65,7 +65,9 @@ def apart(entry: Entry, other: Reference, reference: Reference) -> dict[str, flo
     """The same of another reference in the place of the run."""
     x, weight = entry.surface.x, entry.surface.weight
     left, right = reference.contact(entry)
-    weights = {"pressure": weight, "traction": weight, "slip": weight * ((x >= left) & (x <= right))}
+    weights = {"pressure": weight}
+    if entry.step.branch != "normal":  # else there is neither
+        weights |= {"traction": weight, "slip": weight * ((x >= left) & (x <= right))}
     fields = {name: (getattr(other, name)(entry, x), getattr(reference, name)(entry, x)) for name in weights}
     return {f"{name}_l2": relative_l2(weights[name], *both) for name, both in fields.items()}
 

@@ -9,7 +9,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from analytic import CoupledLoop
+from analytic import CoupledLoop, PowerProfile
 from analytic.coupled.loop import ORDER
 from analytic.half_plane.linear import ContactNotConverged
 
@@ -25,9 +25,14 @@ MERGED = 0.5  # smallest facets between edges, below which both have one place
 
 
 def serves(scene: Scene, effects: Effects) -> bool:
-    """True for coupling on a power law, pressed without friction, without bulk strain, and then at constant P."""
+    """True for coupling on a power law under an even power profile, pressed without friction, without bulk strain, and
+    then at constant P.
+    """
     others = "friction in normal stage" in effects or "bulk strain" in effects
-    return "coupling" in effects and scene.is_power_law and LOWEST <= scene.k <= HIGHEST and not others
+    if "coupling" not in effects or not scene.is_power_law or not LOWEST <= scene.k <= HIGHEST or others:
+        return False
+    profile = scene.shape.analytic()
+    return isinstance(profile, PowerProfile) and profile.m % 2 == 0
 
 
 def loop_of(scaled: Scaled, mu: float, coupling: bool = True, order: int = ORDER) -> CoupledLoop:

@@ -52,7 +52,7 @@ def frictional_work(before: Moment, after: Moment, mu: float, k: float, earlier:
     mean = np.where(begins, p1 - (p1 - p0) * 2.0 / (7.0 - k), mean)
     mean = np.where(enters | leaves, (p0 + p1) * 2.0 / (5.0 + k), mean)
     q = mu * mean * np.where(leaves, was, now)
-    return -q * moved
+    return np.maximum(-q * moved, 0.0)  # a point that has left contact may go on the other way
 
 
 def work_of_pressing(after: Moment, mu: float, k: float, m: float) -> np.ndarray:

@@ -47,7 +47,7 @@ def find(simulation: Simulation, tell: reference.Tell | None = None) -> Findings
 
     tell: called with the number of increments that the reference has done, and that of all.
     """
-    scene, history = simulation.scene, simulation.history
+    scene = simulation.scene
     exact, why_none = None, ""
     with simulation.watch("reference"):
         try:
@@ -60,12 +60,9 @@ def find(simulation: Simulation, tell: reference.Tell | None = None) -> Findings
         if closed:
             words = f"closed form, which neglects the {' and the '.join(neglected)} of this run: another problem"
             neglecting = _compare(simulation, closed, words, tuple(neglected))
-    coupled = "coupling" in simulation.effects or not scene.friction
-    found = checks.check(
-        history, simulation.scaled.indenter.height, coupled, lambda: zigzags.cause(simulation)
-    )
+    found = zigzags.checked(simulation)
     if exact:
-        found |= checks.check_errors(exact.deviations | exact.worst, exact.own)
+        found |= zigzags.checked_errors(simulation, exact.deviations | exact.worst, exact.own)
     return Findings(quantities(simulation), found, exact, why_none, neglecting)
 
 

@@ -14,19 +14,21 @@ class Stopwatch:
     def __init__(self, tell: Callable[[str, float | None], None] | None = None):
         self._tell = tell
         self.seconds: dict[str, float] = {}
-        self.last = 0.0
+        self.last = self._inside = 0.0  # seconds of phases inside the present one
         self._start = time.perf_counter()
 
     @contextmanager
     def __call__(self, phase: str):
-        start = time.perf_counter()
+        start, outside = time.perf_counter(), self._inside
+        self._inside = 0.0
         if self._tell:
             self._tell(phase, None)
         try:
             yield
         finally:
             self.last = time.perf_counter() - start
-            self.seconds[phase] = self.seconds.get(phase, 0.0) + self.last
+            self.seconds[phase] = self.seconds.get(phase, 0.0) + self.last - self._inside
+            self._inside = outside + self.last
         if self._tell:
             self._tell(phase, self.last)
 

@@ -1,14 +1,29 @@
-"""Why tractions of a run may go up and down from node to node: the critical coefficient of friction of its own mesh."""
+"""Checks of a finished run, with the cause of zigzags: the critical coefficient of friction of its own mesh."""
 
 from analytic.half_plane.critical_friction import RateOperator, sliver_singular
 
 from ..solvers.condensed.system import CondensedSystem
+from .checks import Check, check, check_errors
 from .critical_friction import describe, elastic_slip, expected
 from .simulation import Simulation
 
 OTHER_METHOD = "solver.theta = 0 or a larger solver.gamma0 may help"
 PLACES = 12  # of a sliver on the mesh
 MOST_NODES = 400  # surface nodes in contact for which the mesh's own bound is looked for
+
+
+def checked(simulation: Simulation) -> dict[str, Check]:
+    """What a finished run is checked for, by name; zigzags with their cause."""
+    coupled = "coupling" in simulation.effects or not simulation.scene.friction
+    height = simulation.scaled.indenter.height
+    return check(simulation.history, height, coupled, lambda: cause(simulation))
+
+
+def checked_errors(simulation: Simulation, errors: dict[str, float], own: dict[str, float]) -> dict[str, Check]:
+    """What its errors beside a reference are checked for. c only in loops: elsewhere stick may have several zones."""
+    last = simulation.history.entries[-1]
+    judged = simulation.scene.is_loop and simulation.history.friction
+    return check_errors(errors, own, last.c / last.a if judged else 0.0)
 
 
 def critical_of_mesh(simulation: Simulation) -> float | None:

@@ -20,7 +20,7 @@ from ..command.command import comm, on_root, run, say
 from ..loading.stepping import SolveError
 from ..output.files import write_table, write_text
 from ..runs import critical_friction, zigzags
-from ..runs.checks import LARGE, Check, check, check_errors, drift, still_changing
+from ..runs.checks import LARGE, Check, check_errors, drift, still_changing
 from ..runs.comparison import compare, worst_and_own
 from ..runs.energy import EnergyMeter, worst_defect
 from ..runs.reference import NoReference, of_same_physics
@@ -57,8 +57,9 @@ def read_cases(only: list[str] = ()) -> dict[str, dict]:
                 f"{key.partition('.')[2]} {value}" for key, value in changes.items() if not isinstance(value, list)
             )
             cases[f"{study['name']}: {shown}"] = base | changes
-    if not cases:
-        raise SceneError(f"--only {' '.join(only)} is not allowed: {', '.join(s['name'] for s in document['study'])}")
+    known = [study["name"] for study in document["study"]]
+    if set(only) - set(known):
+        raise SceneError(f"--only {' '.join(only)} is not allowed: {', '.join(known)}")
     return cases
 
 
@@ -109,8 +110,7 @@ def _measure(scene: Scene, every_state: bool) -> dict:
         meter.read(entry)
     history = simulation.history
     tolerance = max(entry.tolerance for entry in history.entries)
-    height, coupled = simulation.scaled.indenter.height, "coupling" in simulation.effects
-    checks = check(history, height, coupled, lambda: zigzags.cause(simulation))
+    checks = zigzags.checked(simulation)
     defects = {name: c.value for name, c in checks.items() if not c.holds}
     balance = worst_defect(meter.steps, ENERGY_ROUND_OFF * tolerance / ENERGY)
     if balance > (CONSISTENCY if scene.solver.theta else ENERGY):

@@ -17,7 +17,7 @@ from mpi4py import MPI
 from ..output.files import write_table
 from ..output.folder import begin, claimed, is_run_of
 from ..output.results import Results
-from ..runs import checks, comparison, reference
+from ..runs import comparison, reference, zigzags
 from ..runs.simulation import Simulation
 from ..scene import DEFAULT_SCENE, Scene, SceneError, parse
 from ..scene.effects import Effects
@@ -29,9 +29,9 @@ from .variation import Changes, base_of, check, overrides, product
 # Keys that leave mesh and stiffness as they are, in units of the contact: load, cylinder and modulus only scale.
 SCALES = {"title", "load.P", "solid.E0", "solid.y0", "indenter.R"}
 # Likewise where pressure and traction do not see each other.
-UNCOUPLED = {"load.mu", "load.cycles"}
+UNCOUPLED = {"load.mu"}
 HOLD = "hold"  # checks of a row
-RUN_ONLY = {"solver.increments", "solver.gamma0", "reference.kind"}
+RUN_ONLY = {"solver.gamma0", "reference.kind"}
 
 
 class Table(list[Row]):
@@ -160,8 +160,6 @@ def reusable(previous: Simulation, scene: Scene) -> bool:
         free = free | UNCOUPLED
     if mine["indenter.profile"] != "parabola" or not scene.is_power_law:  # shapes and layers with lengths of their own
         free = free - SCALES
-    if not scene.is_loop:  # the mesh is graded to every load
-        free = free - {"solver.increments"}
     return all(mine.get(key) == other.get(key) for key in mine.keys() | other.keys() if key not in free)
 
 
@@ -183,20 +181,20 @@ def compile_forms(items: list[Item]):
 
 def numbers(simulation: Simulation) -> Row:
     """What the table says of a finished scene; SI units."""
-    scene, history, scales = simulation.scene, simulation.history, simulation.scaled.scales
-    last, coupled = history.entries[-1], "coupling" in simulation.effects
+    history, scales = simulation.history, simulation.scaled.scales
+    last = history.entries[-1]
     row: Row = {"a[m]": last.a * scales.length}
     if history.friction:
         row |= {"c_over_a": last.c / last.a, "delta_x[m]": last.surface.delta[0] * scales.displacement}
         row |= {"dissipated_energy[J/m]": history.dissipated_energy * scales.energy}
     row |= {"indentation[m]": last.surface.delta[1] * scales.displacement}
     row |= {"peak_pressure[Pa]": last.surface.pressure.max() * scales.stress}
-    found = checks.check(history, simulation.scaled.indenter.height, coupled or not scene.friction)
+    found = zigzags.checked(simulation)
     try:
         exact = reference.of_same_physics(simulation)
         errors = comparison.compare(history, exact)
         largest, own = comparison.worst_and_own(history, exact)
-        found |= checks.check_errors(errors | largest, own)
+        found |= zigzags.checked_errors(simulation, errors | largest, own)
         row |= {f"error_{name}": value for name, value in errors.items()}
         row["reference"] = reference.describe(exact, simulation)
     except reference.NoReference as reason:

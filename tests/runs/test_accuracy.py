@@ -191,13 +191,23 @@ def test_an_accuracy_that_is_missed_fails_the_run(tmp_path):
         "solid.E0 = 1e9\nsolid.k = 0.3\nsolid.nu = 0.3\nsolid.y0_over_a0 = 3\nindenter.R = 0.1\nload.mu = 0.3\n"
         "load.points = [[1e4, 0], [1e4, 2e3], [6e3, 1e3], [1e4, -1e3]]\neffects.coupling = false\n"
     )
-    words = scene, "--accuracy", "5e-3", "--set", "solver.increments=1", "--quiet", "--output", tmp_path / "run"
+    words = scene, "--accuracy", "2e-3", "--set", "solver.increments=1", "--quiet", "--output", tmp_path / "run"
     done = run_command(*words)
-    assert done.returncode == 4 and done.stderr.startswith("checks that fail: accuracy (8.")
+    assert done.returncode == 4 and done.stderr.startswith("checks that fail: accuracy (2.9e-03")
     assert "more solver.increments" in done.stderr
     summary = json.loads((tmp_path / "run" / "summary.json").read_text())
     assert summary["converged"] and not summary["checks_hold"] and not summary["accuracy"]["is_within"]
-    assert summary["checks"]["accuracy"]["value"] == summary["accuracy"]["largest_error"] > 5e-3
+    assert summary["checks"]["accuracy"]["value"] == summary["accuracy"]["largest_error"] > 2e-3
     again = run_command("--resume", tmp_path / "run")
     assert again.returncode == 4 and again.stderr == "checks that fail: accuracy\n"
     assert "nothing is left to do" in again.stdout
+
+
+def test_an_accuracy_that_cannot_be_judged_fails_the_run(tmp_path):
+    """The second mesh is too coarse for the narrow slip zone; the run itself is done, and to go on says so again."""
+    arguments = "--set", "load.amplitude=0.1", "--reference", "none", "--accuracy", "0.03", "--quiet"
+    done = run_command(*arguments, "--output", tmp_path / "run")
+    assert done.returncode == 4 and "the error is not known" in done.stderr and "too coarse" in done.stderr
+    summary = json.loads((tmp_path / "run" / "summary.json").read_text())
+    assert summary["accuracy"] == {"wanted": 0.03, "is_within": False}
+    assert run_command("--resume", tmp_path / "run").returncode == 4

@@ -1,11 +1,14 @@
 """A body is taken over by scenes of the same solid that ask for the same mesh, and refused to all others."""
 
+from time import sleep
+
 import numpy as np
 import pytest
 from mpi4py import MPI
 from running import COARSE
 
 from simulations.runs.simulation import Simulation
+from simulations.runs.timing import Stopwatch
 from simulations.scene import make_scene
 
 BASE = COARSE | {"load.cycles": 0, "solid.y0": 0.01}
@@ -50,3 +53,12 @@ def test_what_is_reused_has_the_numbers_of_its_own_body(first):
         for name in ("pressure", "traction"):
             one, other = getattr(mine.surface, name), getattr(own.surface, name)
             assert np.abs(one - other).max() <= 1e-8 * own.surface.pressure.max()
+
+
+def test_seconds_of_a_phase_within_another_are_counted_once():
+    watch = Stopwatch()
+    with watch("mesh"):
+        with watch("edges"):
+            sleep(0.1)
+        assert watch.last >= 0.1
+    assert watch.last >= 0.1 and watch.seconds["mesh"] < 0.05 < watch.seconds["edges"]

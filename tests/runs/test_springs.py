@@ -48,3 +48,23 @@ def test_the_default_mesh_is_accurate_at_every_load_step(k, amplitude, allowed):
     simulation = Simulation(MPI.COMM_SELF, scene).run_to_end()
     springs = Springs(simulation.contact, simulation.mu, simulation.schedule)
     assert worst(simulation.history, springs)["traction_l2"] < allowed
+
+
+def test_points_that_leave_contact_gain_no_energy():
+    """With one load step from point to point: they go on the other way after they have left."""
+    scene = """
+[solid]
+modulus = "homogeneous"
+E0 = 70e9
+nu = 0.3
+[indenter]
+R = 0.02
+[load]
+mu = 0.4
+points = [[1e5, 0], [1e5, 3.5e4], [2e4, -7e3], [1e5, -7e3]]
+"""
+    sets = {"effects__coupling": "false", "solver__increments": 1, "mesh__first_layer": 0.01}
+    simulation = coarse_simulation(scene, **sets).run_to_end()
+    exact = Springs(simulation.contact, simulation.mu, simulation.schedule)
+    assert min(simulation.history.work) >= 0.0
+    assert simulation.history.dissipated_energy == pytest.approx(exact.dissipated_energy(), rel=0.04)

@@ -103,6 +103,14 @@ def test_other_commands_refuse_in_one_line_too(folder):
     assert done.returncode == 2 and len(done.stderr.splitlines()) == 1
 
 
+def test_an_indentation_has_no_friction(folder):
+    scene = folder / "scene.toml"
+    scene.write_text(DEFAULT_SCENE)
+    done = run_command(scene, cwd=folder, module="simulations.indentation")
+    assert done.returncode == 2 and done.stderr.startswith("load.mu = 0.3 is not allowed with simulations.indentation")
+    assert not (folder / "results").exists()
+
+
 @pytest.mark.parametrize(
     "module, arguments",
     [

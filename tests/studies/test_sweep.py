@@ -128,6 +128,8 @@ def test_a_body_is_shared_where_it_is_the_same(monkeypatch):
         ("load.mu=0.5", True),
         ("load.P=2e6", True),
         ("load.amplitude=0.5", False),
+        ("load.cycles=2", False),
+        ("solver.increments=12", False),
         ("solid.k=0.2", False),
         ("mesh.facet=0.05", False),
         ("effects.coupling=true", False),
