@@ -83,7 +83,8 @@ def check(
 def check_errors(errors: dict[str, float], own: dict[str, float], stick: float = 0.0) -> dict[str, Check]:
     """Checks of a run's errors beside its reference, by the names of ``comparison.compare``; nan is not known.
 
-    stick: c/a, as the error of c is judged over a: a narrow stick zone spoils no more than c.
+    stick: c/a of the reference, as the error of c is judged over a: a narrow stick zone spoils no more than c; 0: c is
+    not judged.
     own: of these errors what is the reference's, which is in them and may have made them as much larger again. It
     excuses no more than twice the limit: a reference that is known less well does not judge the run.
     """

@@ -62,7 +62,7 @@ def find(simulation: Simulation, tell: reference.Tell | None = None) -> Findings
             neglecting = _compare(simulation, closed, words, tuple(neglected))
     found = zigzags.checked(simulation)
     if exact:
-        found |= zigzags.checked_errors(simulation, exact.deviations | exact.worst, exact.own)
+        found |= zigzags.checked_errors(simulation, exact.other, exact.deviations | exact.worst, exact.own)
     return Findings(quantities(simulation), found, exact, why_none, neglecting)
 
 

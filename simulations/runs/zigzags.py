@@ -4,6 +4,7 @@ from analytic.half_plane.critical_friction import RateOperator, sliver_singular
 
 from ..solvers.condensed.system import CondensedSystem
 from .checks import Check, check, check_errors
+from .comparison import Reference
 from .critical_friction import describe, elastic_slip, expected
 from .simulation import Simulation
 
@@ -19,11 +20,13 @@ def checked(simulation: Simulation) -> dict[str, Check]:
     return check(simulation.history, height, coupled, lambda: cause(simulation))
 
 
-def checked_errors(simulation: Simulation, errors: dict[str, float], own: dict[str, float]) -> dict[str, Check]:
+def checked_errors(
+    simulation: Simulation, reference: Reference, errors: dict[str, float], own: dict[str, float]
+) -> dict[str, Check]:
     """What its errors beside a reference are checked for. c only in loops: elsewhere stick may have several zones."""
     last = simulation.history.entries[-1]
     judged = simulation.scene.is_loop and simulation.history.friction
-    return check_errors(errors, own, last.c / last.a if judged else 0.0)
+    return check_errors(errors, own, reference.stick_half_width(last) / last.a if judged else 0.0)
 
 
 def critical_of_mesh(simulation: Simulation) -> float | None:

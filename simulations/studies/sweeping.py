@@ -194,7 +194,7 @@ def numbers(simulation: Simulation) -> Row:
         exact = reference.of_same_physics(simulation)
         errors = comparison.compare(history, exact)
         largest, own = comparison.worst_and_own(history, exact)
-        found |= zigzags.checked_errors(simulation, errors | largest, own)
+        found |= zigzags.checked_errors(simulation, exact, errors | largest, own)
         row |= {f"error_{name}": value for name, value in errors.items()}
         row["reference"] = reference.describe(exact, simulation)
     except reference.NoReference as reason:
