@@ -45,7 +45,7 @@ def surface(folder: Path, rows: list[dict]) -> bytes | None:
             _loop(free.pop(0), free.pop(0), rows, shown)
         for axis in free:
             axis.set_visible(False)
-        varies = "P_prescribed" in data and np.ptp(data["P_prescribed"][list(shown.values())]) > 0
+        varies = np.ptp(data["P_prescribed"][list(shown.values())]) > 0
         labels = [_label(state, data, place, varies) for state, place in shown.items()]
         title = left_out(len(shown), len(named))
         figure.legend(axes[0, 0].lines, labels, loc="outside lower center", ncols=len(labels), title=title)

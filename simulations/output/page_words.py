@@ -24,6 +24,7 @@ CHECKS = {
     "pressure zigzags": "pressure going up and down from node to node, over its range",
     "traction zigzags": "traction going up and down from node to node, over its range",
     "contact has a width": "named states whose contact has too few nodes for a half-width",
+    "energy >= 0": "dissipated energy below zero, scaled",
     "error of pressure": "error of the pressure at the worst state, less what the reference's own error explains",
     "error of traction": "the same of the traction",
     "error of a": "the same of the contact half-width",
@@ -113,10 +114,15 @@ def _load(scene: Scene) -> str:
 def _strain(scene: Scene) -> str:
     if not scene.bulk_strain:
         return ""
-    phase = getattr(scene.load, "bulk_phase", None) or 0.0
-    course = "with Q up to Q_A, and stays" if phase == "constant" else f"{phase:g}° behind Q" if phase else "with Q"
     sense = "tension" if scene.bulk_strain > 0 else "compression"
-    return f" The body is strained along the surface by {scene.bulk_strain:.4g} ({sense} at +Q_A), {course}."
+    size = f"{scene.bulk_strain:.4g} ({sense} at +Q_A)"
+    return f" The body is strained along the surface by {size}, {strain_course(scene)}."
+
+
+def strain_course(scene: Scene) -> str:
+    """How the bulk strain goes with Q."""
+    phase = getattr(scene.load, "bulk_phase", None) or 0.0
+    return "with Q up to Q_A, and stays" if phase == "constant" else f"{phase:g}° behind Q" if phase else "with Q"
 
 
 def _physics(scene: Scene) -> str:

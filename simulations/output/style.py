@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.ticker import MaxNLocator
 
 from ..scene import Scene, tables
+from .page_words import quantity, strain_course
 
 BLUE, ORANGE, GREEN, PURPLE, RED = "#0072B2", "#E69F00", "#009E73", "#CC79A7", "#D55E00"  # colour-blind safe
 SKY, BLACK = "#56B4E9", "#000000"
@@ -45,9 +46,7 @@ def in_words(scene: Scene) -> str:
         most = f", |Q| ≤ {Q:.4g} N/m" if scene.friction else ""
         values.append(f"{len(scene.load.points)} points of (P, Q){most}")
     if scene.bulk_strain:
-        phase = getattr(scene.load, "bulk_phase", None)
-        course = f" {phase:g}° behind Q" if isinstance(phase, float) and phase else f" {phase}" if phase else ""
-        values.append(f"bulk strain {scene.bulk_strain:.3g}{course}")
+        values.append(f"bulk strain {scene.bulk_strain:.3g} {strain_course(scene)}")
     return ",  ".join(values)
 
 
@@ -56,8 +55,9 @@ def _modulus(scene):
     solid, thickness = scene.material, getattr(scene.material, "thickness", None)
     law = f"k = {scene.k:g}".replace("-", "−")
     if hasattr(solid, "E_substrate"):
-        law = f"{solid.modulus} coating: E = {solid.E0 / 1e9:.4g} to {solid.E_substrate / 1e9:.4g} GPa"
-    return law if thickness is None else f"{law} over {1e3 * thickness:.4g} mm"
+        top, deep = (quantity(E, "Pa", 4) for E in (solid.E0, solid.E_substrate))
+        law = f"{solid.modulus} coating: E = {top} to {deep}"
+    return law if thickness is None else f"{law} over {quantity(thickness, 'm', 4)}"
 
 
 def spread(states: list, most: int = len(COLOURS)) -> list:

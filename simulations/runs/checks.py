@@ -68,6 +68,7 @@ def check(
             "|q| <= mu p": Check(
                 max((excess(e.surface, mu) for e in loaded), default=0.0), 10 * max(tolerance, FORCE_TOLERANCE)
             ),
+            "energy >= 0": Check(max(-history.dissipated_energy, 0.0), 0.0),
             "slip against q": Check(max(wrong, default=0.0), WRONG_SLIP),
             "traction zigzags": Check(max((traction_zigzags(e.surface, mu) for e in loaded), default=0.0), ZIGZAGS),
         }

@@ -77,11 +77,11 @@ def test_checks_hold_and_see_what_is_wrong(loop):
     assert f"in load step {last}, increment {last - 1} of history.csv:" in checks.describe(found)
 
 
-def test_a_contact_without_a_width_fails(loop):
+def test_a_contact_without_a_width_and_a_negative_energy_fail(loop):
     history, height = loop[0].history, loop[0].scaled.indenter.height
-    lost = replace(history.entries[-1], contact=(np.nan, np.nan))
+    lost = replace(history.entries[-1], contact=(np.nan, np.nan), dissipated=-1.0)
     found = checks.check(replace(history, entries=[*history.entries[:-1], lost]), height)
-    assert [name for name, check in found.items() if not check.holds] == ["contact has a width"]
+    assert [name for name, check in found.items() if not check.holds] == ["contact has a width", "energy >= 0"]
     assert "too few nodes" in checks.describe(found)
 
 

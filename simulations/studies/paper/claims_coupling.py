@@ -44,7 +44,7 @@ class Difference:
 def simulated(k: float, nu: float, mu: float = MU) -> SimulatedLoop:
     """Mesh-free loop of amplitude AMPLITUDE in units of a0, y0 = DEPTH."""
     normal = contact(k, DEPTH, nu)
-    return simulate(normal.solid, PARABOLA, normal.P, mu, AMPLITUDE, True, 2, attempts=SIMULATION)
+    return simulate(normal.solid, PARABOLA, normal.P, mu, AMPLITUDE, attempts=SIMULATION)
 
 
 def difference(k: float, nu: float, mu: float = MU) -> Difference | None:
