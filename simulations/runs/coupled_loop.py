@@ -47,8 +47,11 @@ def states_of(loop: CoupledLoop, loads: tuple[tuple[float, float], ...]) -> list
 
 
 def grades(scene: Scene, effects: Effects) -> bool:
-    """True where the mesh is graded to the edges of this solution: with larger facets rough edges do as well."""
-    return scene.is_loop and serves(scene, effects) and scene.cell_sizes["edge_facet"] < FINE[scene.mesh.degree]
+    """True where the mesh is graded to the edges of this solution: no closed form has them, and facets so small that
+    rough ones do less well.
+    """
+    fine = scene.cell_sizes["edge_facet"] < FINE[scene.mesh.degree]
+    return scene.is_loop and fine and not scene.contact_has_closed_form and serves(scene, effects)
 
 
 def _first_cycle(loop: CoupledLoop, schedule: Sequence[LoadStep], has_reference: bool) -> list:
