@@ -34,7 +34,7 @@ class Solid:
     h: Any
 
     def traction(self, u, pi):
-        """t = -sigma n on the surface."""
+        """t = sigma n on the surface, n the outward normal."""
         return elasticity.surface_traction(u, self.modulus, self.nu, self.depth, self.h, pi)  # (F3)
 
     def surface_modulus(self):
