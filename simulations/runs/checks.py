@@ -204,7 +204,7 @@ def still_changing(history: History) -> int:
 # a run is wrong beyond these; of c over a
 ERRORS = {"pressure_l2": 0.1, "traction_l2": 0.1, "a": 0.05, "c": 0.05, "dissipated_energy": 0.05}
 LARGE = (
-    "mesh.degree = 2, finer facets (mesh.facet, mesh.edge_facet), a smaller mesh.layer_growth or more "
+    "a higher mesh.degree, finer facets (mesh.facet, mesh.edge_facet), a smaller mesh.layer_growth or more "
     "solver.increments make errors smaller"
 )
 UNKNOWN = "the reference's own error is {:.0%}, which is too much to judge by; more solver.increments make it smaller"
