@@ -79,7 +79,8 @@ class History:
         contact = fitted_contact_edges(surface, (x_l, x_r))
         stick, work = contact, np.zeros_like(s)
         if self.friction and np.any(surface.traction):
-            stick = fitted_stick_edges(surface, self.mu, step.direction, (c_l, c_r))
+            left, right = fitted_stick_edges(surface, self.mu, step.direction, (c_l, c_r))
+            stick = max(left, contact[0]), min(right, contact[1])  # each is fitted by itself
         if self.friction:
             work = self._work(step, Moment(surface, contact))
         if step.branch == "normal":

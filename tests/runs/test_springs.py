@@ -68,3 +68,22 @@ points = [[1e5, 0], [1e5, 3.5e4], [2e4, -7e3], [1e5, -7e3]]
     exact = Springs(simulation.contact, simulation.mu, simulation.schedule)
     assert min(simulation.history.work) >= 0.0
     assert simulation.history.dissipated_energy == pytest.approx(exact.dissipated_energy(), rel=0.04)
+
+
+def test_no_stick_zone_is_wider_than_the_contact():
+    """Where nearly everything sticks its edge lies beside that of the contact, which is fitted from other numbers."""
+    scene = """
+[solid]
+modulus = "homogeneous"
+E0 = 210e9
+nu = 0.3
+[indenter]
+R = 0.1
+[load]
+mu = 0.3
+points = [[6e5, 0], [9.6e5, -1e5], [5e4, -2.4e3], [9.4e5, 2.3e5], [9.9e5, -1.8e5]]
+"""
+    sizes = {"mesh__facet": 0.1, "mesh__edge_facet": 0.02, "mesh__first_layer": 0.02}
+    simulation = coarse_simulation(scene, effects__coupling="false", **sizes).run_to_end()
+    for entry in simulation.history.entries:
+        assert entry.contact[0] <= entry.stick[0] < entry.stick[1] <= entry.contact[1]
