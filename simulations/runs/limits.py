@@ -10,6 +10,8 @@ from __future__ import annotations
 from math import ceil, expm1, floor, log, log10
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from ..scene import SceneError, shown
 from ..scene.output import NORMAL
 from ..scene.steepness import steepness_warning
@@ -36,6 +38,7 @@ MOST_AT_ENDS = 0.1  # estimated relative error of the traction from its steep en
 LOWEST = 0.05  # the first layer's lowest Gauss point, over its height: 0.07 and more
 LOWEST_EXPONENT = -300.0  # decimal logarithm of the smallest ordinary number is -307.7
 STABLE_GAMMA0 = 0.3  # below it the active set cycles (0.2 at k = 0) or fails (0.1 at k = 0.3), unless theta = -1
+SAMPLES = 4001  # of a formula, up to the end of the domain
 
 
 def check_parameters(scene: Scene):
@@ -133,10 +136,11 @@ def check_resolution(scene: Scene, cells: Grading, loop: FrettingLoop | None):
 def warnings_of(scene: Scene, cells: Grading, loop: FrettingLoop | None, scaled: Scaled) -> list[str]:
     """What theory or mesh show badly though the run is possible, in words.
 
-    It may be a steep indenter, a long elastic slip or a narrow stick zone. The last spoils no more than c: p, q and
-    energy do not feel it.
+    It may be a steep indenter, one that falls again, a long elastic slip or a narrow stick zone. The last spoils
+    no more than c: p, q and energy do not feel it.
     """
     found, facet = [steepness_warning(scene.half_width, scene.indenter)], min(cells.edge_facet, cells.facet)
+    found.append(_touches_again(scene, cells, scaled))
     if loop is not None and loop.c < NARROWEST_STICK * facet:
         found.append(
             f"mesh.edge_facet = {cells.edge_facet:g} is too coarse for c/a: the stick half-width is {loop.c:.2g} a at "
@@ -149,6 +153,23 @@ def warnings_of(scene: Scene, cells: Grading, loop: FrettingLoop | None, scaled:
             "the energy of a cycle with load.amplitude = 0.9 is 4 % too large, at 0.3 16 %, with small amplitudes more"
         )
     return [words for words in found if words]
+
+
+def _touches_again(scene: Scene, cells: Grading, scaled: Scaled) -> str:
+    """Where a formula falls again beside the surface on which contact is looked for; "" where it does not."""
+    if scene.indenter.profile != "formula":
+        return ""
+    x = np.linspace(cells.strip, cells.extent, SAMPLES)
+    with np.errstate(all="ignore"):
+        height = scaled.indenter.height(x)
+    falls = height < height[0]
+    if not falls.any():
+        return ""
+    at, reach = x[np.argmax(falls)] * scaled.scales.length, cells.strip * scaled.scales.length
+    return (
+        f"indenter.formula falls again: at x = {at:.3g} m it is below its value at {reach:.3g} m, up to which contact "
+        "is looked for; what may touch there is left out"
+    )
 
 
 def expected_error(k: float, size: float) -> float:

@@ -40,6 +40,16 @@ def test_a_steep_indenter_is_told_in_every_place(tmp_path):
     assert json.loads((tmp_path / "summary.json").read_text())["warnings"] == [words]
 
 
+def test_a_formula_that_falls_again_is_told():
+    """Beside the first crest of a wavy indenter its next ones would touch: their pressure is not in the results."""
+    formula = {"indenter__profile": "formula", "load__P": 1e5}
+    wavy, round_ = (
+        coarse_simulation(indenter__formula=text, **formula).warnings
+        for text in ("1e-5*(1-cos(3141.592654*x))", "R*cosh(x/R) - R")
+    )
+    assert not round_ and len(wavy) == 1 and "indenter.formula falls again: at x = 0.0018" in wavy[0]
+
+
 def test_a_long_elastic_slip_is_told():
     short, long = (coarse_simulation(effects__elastic_slip=length).warnings for length in (4e-8, 4e-7))
     assert not short and len(long) == 1 and "mu P/E(a), which is long" in long[0]
