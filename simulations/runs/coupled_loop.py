@@ -43,7 +43,7 @@ def loop_of(scaled: Scaled, mu: float, coupling: bool = True, order: int = ORDER
 
 @lru_cache(maxsize=1)
 def states_of(loop: CoupledLoop, loads: tuple[tuple[float, float], ...]) -> list:
-    """States at the loads (P, Q), once for mesh and reference. Raises what ``CoupledLoop.run`` does."""
+    """States at the loads (P, Q), once for mesh and reference of one cycle. Raises what ``CoupledLoop.run`` does."""
     return loop.run(loads)
 
 
@@ -55,25 +55,14 @@ def grades(scene: Scene, effects: Effects) -> bool:
     return scene.is_loop and fine and not scene.contact_has_closed_form and serves(scene, effects)
 
 
-def _first_cycle(loop: CoupledLoop, schedule: Sequence[LoadStep], has_reference: bool) -> list:
-    """States up to the end of the first cycle, [] without a solution; all cycles are solved where a reference is."""
-    loads = tuple((step.P, step.Q) for step in schedule)
-    first = sum(step.cycle <= 1 for step in schedule)
-    for wanted in dict.fromkeys((loads, loads[:first]) if has_reference else (loads[:first],)):
-        try:
-            return states_of(loop, wanted)[:first]
-        except (ContactNotConverged, ValueError, ArithmeticError):
-            continue
-    return []
-
-
 def loop_edges(scene: Scene, scaled: Scaled, mu: float, schedule: Sequence[LoadStep]) -> ExpectedEdges | None:
     """Edges of contact and stick after every load step of the first cycle; None where there is no solution.
 
     A stop of the contact costs q = mu p what it costs p; one of stick costs q alone.
     """
-    states = _first_cycle(loop_of(scaled, mu), schedule, scene.reference.kind != "none")
-    if not states:
+    try:
+        states = states_of(loop_of(scaled, mu), tuple((step.P, step.Q) for step in schedule if step.cycle <= 1))
+    except (ContactNotConverged, ValueError, ArithmeticError):
         return None
     Q_A = max(state.Q for state in states)
     ends: list[float] = []
