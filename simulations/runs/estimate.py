@@ -18,7 +18,10 @@ WELL_KNOWN = 0.3  # of the accuracy asked for: a reference whose own error is la
 
 @dataclass(frozen=True)
 class Errors:
-    """Relative errors of a run by quantity, of its last state and its worst; an estimate where not measured."""
+    """Relative errors of a run by quantity, of its last state and its worst; an estimate where not measured.
+
+    nan: one that is not known, as of a stick zone too narrow for the mesh; then the largest is not known either.
+    """
 
     last: dict[str, float]
     worst: dict[str, float]
@@ -27,24 +30,29 @@ class Errors:
     @property
     def largest(self) -> float:
         """Of all."""
-        return max(map(abs, (*self.last.values(), *self.worst.values())))
+        return _largest(self.last, self.worst)
 
     def in_words(self) -> list[str]:
         """The largest of both states, one line each."""
         kind, lines = "estimated, not measured" if self.is_estimate else "found", []
         for errors, where in ((self.last, "last state"), (self.worst, "worst state")):
-            name = max(errors, key=lambda name: abs(errors[name]))
+            name = max(errors, key=lambda name: np.nan_to_num(abs(errors[name]), nan=np.inf))
             lines.append(f"largest error of the {where} {abs(errors[name]):.1e} ({name}; {kind})")
         return lines
 
     def summary(self) -> dict:
         """What summary.json says of them."""
         return {
-            "largest_error": max(map(abs, self.last.values())),
-            "largest_error_worst_state": max(map(abs, self.worst.values())),
+            "largest_error": _largest(self.last),
+            "largest_error_worst_state": _largest(self.worst),
             "is_estimate": self.is_estimate,
             "errors": self.last,
         }
+
+
+def _largest(*found: dict[str, float]) -> float:
+    """nan where one is, which the built-in ``max`` may pass over."""
+    return float(np.abs([error for errors in found for error in errors.values()]).max())
 
 
 def measured(exact: Comparison | None, wanted: float) -> Errors | None:
@@ -136,5 +144,5 @@ def estimated(simulation: Simulation, other: Simulation, ratio: float) -> Errors
     """
     factor, finer = accuracy.MARGIN / max(ratio, 1.0), Solved(simulation.history)
     found = compare(other.history, finer), worst(other.history, finer)
-    last, worst_state = ({name: factor * abs(v) for name, v in f.items() if np.isfinite(v)} for f in found)
+    last, worst_state = ({name: factor * abs(v) for name, v in f.items()} for f in found)
     return Errors(last, worst_state, True)

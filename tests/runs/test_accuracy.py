@@ -18,6 +18,11 @@ from simulations.scene import DEFAULT_SCENE, SceneError, accuracy, parse
 from simulations.studies.costs.cases import COUPLED, cases
 from simulations.studies.costs.model import COARSE
 
+PATH = (  # without coupling, from P alone on
+    "solid.E0 = 1e9\nsolid.k = 0.3\nsolid.nu = 0.3\nsolid.y0_over_a0 = 3\nindenter.R = 0.1\nload.mu = 0.3\n"
+    "load.points = [[1e4, 0], {}]\neffects.coupling = false\n"
+)
+
 
 def simulated(scene) -> Simulation:
     return Simulation(MPI.COMM_SELF, scene).run_to_end()
@@ -187,10 +192,7 @@ def test_command_estimates_where_there_is_no_reference(tmp_path, nu):
 def test_an_accuracy_that_is_missed_fails_the_run(tmp_path):
     """One load step from point to point: the energy is off by more, which no mesh mends. To go on says so again."""
     scene = tmp_path / "path.toml"
-    scene.write_text(
-        "solid.E0 = 1e9\nsolid.k = 0.3\nsolid.nu = 0.3\nsolid.y0_over_a0 = 3\nindenter.R = 0.1\nload.mu = 0.3\n"
-        "load.points = [[1e4, 0], [1e4, 2e3], [6e3, 1e3], [1e4, -1e3]]\neffects.coupling = false\n"
-    )
+    scene.write_text(PATH.format("[1e4, 2e3], [6e3, 1e3], [1e4, -1e3]"))
     words = scene, "--accuracy", "2e-3", "--set", "solver.increments=1", "--quiet", "--output", tmp_path / "run"
     done = run_command(*words)
     assert done.returncode == 4 and done.stderr.startswith("checks that fail: accuracy (2.9e-03")
@@ -201,6 +203,20 @@ def test_an_accuracy_that_is_missed_fails_the_run(tmp_path):
     again = run_command("--resume", tmp_path / "run")
     assert again.returncode == 4 and again.stderr == "checks that fail: accuracy\n"
     assert "nothing is left to do" in again.stdout
+
+
+@pytest.mark.parametrize("reference", ["auto", "none"])
+def test_an_accuracy_of_an_unknown_stick_zone_is_not_reached(reference, tmp_path):
+    """c, a hundredth of a, is too narrow for the mesh that the accuracy chooses: neither measured nor estimated."""
+    scene = tmp_path / "path.toml"
+    scene.write_text(PATH.format("[1e4, 2.9999e3]"))
+    words = "--accuracy", "2e-2", "--reference", reference, "--output", tmp_path / "run"
+    done = run_command(scene, *words)
+    assert done.returncode == 4 and done.stderr.startswith("checks that fail: accuracy (nan")
+    assert "largest error of the last state nan (c;" in done.stdout and "NOT within" in done.stdout
+    accuracy_of_run = json.loads((tmp_path / "run" / "summary.json").read_text())["accuracy"]
+    assert not accuracy_of_run["is_within"] and accuracy_of_run["largest_error"] is None
+    assert accuracy_of_run["largest_error_worst_state"] < 2e-2
 
 
 def test_an_accuracy_that_cannot_be_judged_fails_the_run(tmp_path):
