@@ -1,8 +1,8 @@
-"""Memory of bodies that nobody uses any more, given back before the next one is made.
+"""Memory of PETSc objects and of bodies that nobody uses any more, given back while there are more to come.
 
 A body refers to itself in places, and Python's collector, which counts objects and not bytes, lets dozens pile up.
-Across ranks PETSc destroys what is freed only once every rank has freed it, and has to be asked on the body's own
-communicator.
+Across ranks PETSc destroys what is freed only once every rank has freed it, and has to be asked on the communicators
+of the objects themselves.
 """
 
 import gc
@@ -14,14 +14,25 @@ from petsc4py import PETSc
 from ..fem.body import ElasticBody
 
 _made: "weakref.WeakSet[ElasticBody]" = weakref.WeakSet()
-_shared: list[tuple[weakref.ref, PETSc.Comm]] = []  # by several ranks, with PETSc's communicator of each
+_shared: list[tuple[weakref.ref, list[PETSc.Comm]]] = []  # by several ranks, with the communicators of each
+
+
+def communicators(body: ElasticBody) -> list[PETSc.Comm]:
+    """Those of its matrices and of its vectors: dolfinx duplicates the mesh's for each kind."""
+    return [body.stiffness.comm, body.state.x.petsc_vec.comm]
 
 
 def later(body: ElasticBody):
     """Free this body by ``earlier`` once it is not used any more. Collective."""
     _made.add(body)
     if body.mesh.comm.size > 1:
-        _shared.append((weakref.ref(body), body.stiffness.comm.duplicate()))
+        _shared.append((weakref.ref(body), [comm.duplicate() for comm in communicators(body)]))
+
+
+def between_steps(body: ElasticBody):
+    """Free what iterations have made and dropped: across ranks vectors would pile up, 9 MB a load step. Collective."""
+    for own in communicators(body):
+        PETSc.garbage_cleanup(own)
 
 
 def earlier(comm: MPI.Comm):
@@ -29,10 +40,12 @@ def earlier(comm: MPI.Comm):
     if _made or _shared:
         gc.collect()
     for entry in [*_shared]:
-        body, own = entry
-        if MPI.Group.Compare(own.tompi4py().group, comm.group) != MPI.IDENT:
+        body, communicators_of_body = entry
+        if MPI.Group.Compare(communicators_of_body[0].tompi4py().group, comm.group) != MPI.IDENT:
             continue  # of other ranks than those that ask
-        PETSc.garbage_cleanup(own)
+        for own in communicators_of_body:
+            PETSc.garbage_cleanup(own)
         if not comm.allreduce(body() is not None, MPI.LOR):
-            own.destroy()
+            for own in communicators_of_body:
+                own.destroy()
             _shared.remove(entry)

@@ -159,6 +159,7 @@ class Simulation(Meshed):
             except SolveError as error:
                 causes = failure_in_si(self, error), why_no_answer(self)
                 raise SolveError("; ".join(filter(None, causes))) from None
+            freeing.between_steps(self.body)
             if outcome is None:
                 return
             state = self.sampler.sample(self.solver.problem)

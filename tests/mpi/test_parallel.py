@@ -3,12 +3,20 @@
 On one rank these are ordinary tests; tests/test_mpi.py runs the folder under mpirun on two and three.
 """
 
+import ctypes
+import re
+
 import numpy as np
 import pytest
 from mpi4py import MPI
+from petsc4py import PETSc
+from running import coarse_overrides
 
 from simulations.fem.mesh import create_mesh
 from simulations.fem.parallel import gathered, on_root
+from simulations.runs import freeing
+from simulations.runs.simulation import Simulation
+from simulations.scene import DEFAULT_SCENE, parse
 
 comm = MPI.COMM_WORLD
 
@@ -33,3 +41,15 @@ def test_a_failure_of_rank_0_is_raised_everywhere():
     assert on_root(comm, lambda: comm.rank) == 0
     with pytest.raises(ZeroDivisionError):
         on_root(comm, lambda: 1 // 0)
+
+
+def test_a_load_step_leaves_no_vectors(capfd):
+    """Across ranks PETSc keeps what Python has dropped until it is asked: of a short run hundreds of vectors."""
+    scene = parse(DEFAULT_SCENE, coarse_overrides(solver__method='"full"', load__cycles=0))
+    simulation = Simulation(comm, scene).run_to_end()
+    capfd.readouterr()
+    for own in freeing.communicators(simulation.body):
+        PETSc.garbage_view(own)
+    ctypes.CDLL(None).fflush(None)
+    found = [int(count) for count in re.findall(r"Total entries: (\d+)", capfd.readouterr().out)]
+    assert found == [0] * (0 if comm.rank else 2 * comm.size)
