@@ -1,5 +1,6 @@
 """A run beside a reference: relative errors where it has the same physics, differences otherwise."""
 
+from collections.abc import Callable
 from typing import Protocol
 
 import numpy as np
@@ -49,27 +50,26 @@ def compare_state(entry: Entry, reference: Reference, own: dict[str, float] | No
     What is known of the reference's own error is added; own: this, where it is known already.
     """
     surface = entry.surface
-    x, weight = surface.x, surface.weight
-    deviation = {"pressure_l2": relative_l2(weight, surface.pressure, reference.pressure(entry, x))}
-    if entry.step.branch != "normal":
-        left, right = reference.contact(entry)
-        under = weight * ((x >= left) & (x <= right))
-        deviation["traction_l2"] = relative_l2(weight, surface.traction, reference.traction(entry, x))
-        deviation["slip_l2"] = relative_l2(under, entry.slip, reference.slip(entry, x))
+    computed = {"pressure": surface.pressure, "traction": surface.traction, "slip": entry.slip}
     if own is None:
         own = apart(entry, reference.coarser, reference) if reference.coarser else {}
+    deviation = _deviations(entry, computed.__getitem__, reference)
     return {name: value + own.get(name, 0.0) for name, value in deviation.items()}
 
 
 def apart(entry: Entry, other: Reference, reference: Reference) -> dict[str, float]:
     """The same of another reference in the place of the run."""
+    return _deviations(entry, lambda name: getattr(other, name)(entry, entry.surface.x), reference)
+
+
+def _deviations(entry, computed: Callable[[str], np.ndarray], reference) -> dict[str, float]:
     x, weight = entry.surface.x, entry.surface.weight
     left, right = reference.contact(entry)
     weights = {"pressure": weight}
     if entry.step.branch != "normal":  # else there is neither
         weights |= {"traction": weight, "slip": weight * ((x >= left) & (x <= right))}
-    fields = {name: (getattr(other, name)(entry, x), getattr(reference, name)(entry, x)) for name in weights}
-    return {f"{name}_l2": relative_l2(weights[name], *both) for name, both in fields.items()}
+    exact = {name: getattr(reference, name)(entry, x) for name in weights}
+    return {f"{name}_l2": relative_l2(weights[name], computed(name), exact[name]) for name in weights}
 
 
 def compare(history: History, reference: Reference) -> dict[str, float]:
