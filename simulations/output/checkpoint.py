@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 FOLDER, SCENE = "checkpoint", "scene.toml"
 SURFACE = ("pressure", "traction", "u", "delta", "neglected", "elastic")  # of a SurfaceState
-SCALARS = ("iterations", "cuts", "unsettled", "residual", "imbalance", "seconds", "tolerance")
+SCALARS = ("iterations", "cuts", "unsettled", "residual", "seconds", "tolerance")
 
 
 def record(n: int) -> np.dtype:
@@ -178,7 +178,7 @@ def restore(saved: Saved, simulation: Simulation):
     sampler, solver, done = simulation.sampler, simulation.solver, simulation.schedule[: saved.increments]
     for step, row, changes in zip(done, saved.states, saved.changes, strict=True):
         surface = SurfaceState(sampler.x, sampler.weight, **{name: row[name].copy() for name in SURFACE})
-        numbers = int(row["iterations"]), float(row["residual"]), float(row["imbalance"])
+        numbers = int(row["iterations"]), float(row["residual"])
         result = NewtonResult(True, *numbers, "", float(row["tolerance"]), changes)
         outcome = Outcome(step, (result,), int(row["cuts"]), float(row["unsettled"]))
         simulation.history.append(outcome, surface, float(row["seconds"]))

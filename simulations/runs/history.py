@@ -28,7 +28,6 @@ class Entry:
     cuts: int
     unsettled: float  # change of anchors that its state still asks for, over the motion in the load step
     residual: float
-    imbalance: float
     seconds: float
     tolerance: float = 0.0  # of the residual
     changes: tuple[int, ...] = ()  # points whose contact state changed, in each iteration of the solve that counts
@@ -97,7 +96,6 @@ class History:
             cuts=outcome.cuts,
             unsettled=outcome.unsettled,
             residual=outcome.results[-1].residual,
-            imbalance=outcome.results[-1].imbalance,
             seconds=seconds,
             tolerance=max(result.tolerance for result in outcome.results),
             changes=outcome.results[-1].changes,

@@ -36,12 +36,11 @@ JUMPS = 6  # first iterations of a solve in which edges may jump
 
 @dataclass(frozen=True)
 class NewtonResult:
-    """How a solve ended: iterations, relative force residual and load imbalance, and a reason if it failed."""
+    """How a solve ended: iterations, relative force residual, and a reason if it failed."""
 
     converged: bool
     iterations: int
     residual: float
-    imbalance: float
     reason: str
     tolerance: float = FORCE_TOLERANCE  # of the residual: the attainable one where that is larger
     changes: tuple[int, ...] = ()  # points whose contact state (open, stick, slip) changed, iteration by iteration
@@ -138,7 +137,6 @@ class Newton:
             converged=converged,
             iterations=self.snes.getIterationNumber() + predict,
             residual=self._norms[0],
-            imbalance=self._norms[1],
             reason=self._reason(code),
             tolerance=self._tolerance,
             changes=tuple(self._changes),
@@ -158,7 +156,7 @@ class Newton:
         residual(self.x)
         self.system.finish(self.x)
         reason = "" if arrived else f"the path does not arrive in {steps} steps"
-        return NewtonResult(arrived, steps, *self._norms, reason, self._tolerance)
+        return NewtonResult(arrived, steps, self._norms[0], reason, self._tolerance)
 
     def has_solved(self, load) -> bool:
         """Whether the last solve was one under ``load``, and converged."""
@@ -189,7 +187,7 @@ class Newton:
         self._states = self.system.problem.terms.contact_states().astype(np.int8)
         balanced = self._balanced()
         reason = "" if balanced else "the state does not balance the loads"
-        return NewtonResult(balanced, 0, *self._norms, reason, self._tolerance)
+        return NewtonResult(balanced, 0, self._norms[0], reason, self._tolerance)
 
     def _begin(self, load):
         self._scale = load.P
