@@ -57,8 +57,8 @@ def body_functions(
     of the run and is exact at the nodes; the others are constant in each cell. Every rank of ``comm`` calls it. Raises
     SceneError where the folder has no such state.
     """
-    folder = Path(folder)
-    with h5py.File(folder / FOLDER / f"{MESH}.h5") as file, h5py.File(_file_of(folder, state)) as values:
+    path = _file_of(Path(folder), state)
+    with h5py.File(path.with_name(f"{MESH}.h5")) as file, h5py.File(path) as values:
         degree = int(file.attrs["degree"])
         mesh = _mesh(comm, file)
         cell = mesh.basix_cell()

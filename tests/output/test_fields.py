@@ -254,3 +254,8 @@ def test_states_that_are_asked_for(states, found, tmp_path):
     assert kept[: len(found)] == found and (len(kept) == 11 or kept == found)
     with pytest.raises(SceneError, match="no fields of state 'F': there are"):
         body_functions(tmp_path, "F", MPI.COMM_SELF)
+
+
+def test_a_folder_without_a_run_has_no_functions(tmp_path):
+    with pytest.raises(SceneError, match="holds no results of a run"):
+        body_functions(tmp_path)
