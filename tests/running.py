@@ -47,3 +47,16 @@ def coarse_arguments(folder, **changes) -> list[str]:
     """Command line of a coarse run into ``folder``."""
     sets = [word for override in coarse_overrides(**changes) for word in ("--set", override)]
     return [*sets, "--output", str(folder)]
+
+
+def fill_disk(monkeypatch, call: int):
+    """From the write of this number on nothing more goes to the disk."""
+    calls, fsync = [], os.fsync
+
+    def full(descriptor):
+        calls.append(descriptor)
+        if len(calls) >= call:
+            raise OSError(28, "No space left on device")
+        fsync(descriptor)
+
+    monkeypatch.setattr(os, "fsync", full)

@@ -4,12 +4,11 @@ One rank alone: tests/output/test_restart.py and test_folder.py.
 """
 
 import json
-import os
 from pathlib import Path
 
 import pytest
 from mpi4py import MPI
-from running import coarse_arguments
+from running import coarse_arguments, fill_disk
 
 from simulations import fretting
 from simulations.fem.parallel import on_root
@@ -51,16 +50,8 @@ def refused(words, *arguments):
 
 def stop(folder, monkeypatch, call=12):
     """Let the disk be full from some write on."""
-    calls, fsync = [], os.fsync
-
-    def full(descriptor):
-        calls.append(descriptor)
-        if len(calls) >= call:
-            raise OSError(28, "No space left on device")
-        fsync(descriptor)
-
     with monkeypatch.context() as patch:
-        patch.setattr(os, "fsync", full)
+        fill_disk(patch, call)
         with pytest.raises(OutputError, match="No space left on device; go on with .*--resume"):
             run(folder)
     comm.Barrier()

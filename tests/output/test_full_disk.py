@@ -7,7 +7,7 @@ import sys
 
 import pytest
 from restarting import RUN, assert_same
-from running import ROOT, coarse_arguments, environment
+from running import ROOT, coarse_arguments, environment, fill_disk
 
 from simulations import fretting
 from simulations.output.files import OutputError
@@ -18,15 +18,8 @@ SMALL, LARGER = 280, 560  # kB: too small for the first field; too small for the
 @pytest.mark.parametrize("call", [12, 31, 34, 36, 38])
 def test_at_a_chosen_write(call, uninterrupted, tmp_path, monkeypatch):
     """Of checkpoint, table, index or summary."""
-    folder, calls, fsync = tmp_path / "run", [], os.fsync
-
-    def full(descriptor):
-        calls.append(descriptor)
-        if len(calls) >= call:
-            raise OSError(28, "No space left on device")
-        fsync(descriptor)
-
-    monkeypatch.setattr(os, "fsync", full)
+    folder = tmp_path / "run"
+    fill_disk(monkeypatch, call)
     with pytest.raises(OutputError, match="No space left on device; go on with .*--resume") as error:
         fretting.main(coarse_arguments(folder, **RUN))
     assert "\n" not in str(error.value)
