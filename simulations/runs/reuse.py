@@ -13,16 +13,10 @@ SIZES = ("facet", "edge_facet", "growth", "first_layer", "layer_growth", "extent
 LARGER_FACETS = 1.01  # facets at an edge over those that a mesh of its own would have there
 
 
-class Meshed(Plan):
-    """What is asked of an earlier simulation: a plan with the cells of its mesh, and what these were graded for."""
-
-    cells: Grading
-    mesh_of: tuple | None
-
-
-def why_not(previous: Meshed, new: Plan) -> str | None:
+def why_not(previous: Plan, have: Grading, mesh_of: tuple | None, new: Plan) -> str | None:
     """Why the body of ``previous`` does not do for ``new``, in one line; None where it does.
 
+    have: the cells of its mesh; mesh_of: what these were graded for, ``Plan.graded_for`` of a scene, if that is known.
     It does where solid, effects on the body, degree and cell sizes are the same, and where the mesh is as fine at the
     edges of contact and stick of the new scene as one of its own would be.
     """
@@ -39,9 +33,9 @@ def why_not(previous: Meshed, new: Plan) -> str | None:
         return "an effect adds to the stiffness of the body"
     if new.scene.mesh.degree != previous.scene.mesh.degree:
         return f"mesh.degree = {new.scene.mesh.degree}, not {previous.scene.mesh.degree}"
-    if previous.mesh_of is not None and previous.mesh_of == new.graded_for:
+    if mesh_of is not None and mesh_of == new.graded_for:
         return None
-    wanted, have = new.grading(), previous.cells
+    wanted = new.grading()
     for name in SIZES:
         if not np.isclose(getattr(wanted, name), getattr(have, name), rtol=1e-12, atol=0):
             return f"mesh.{name} = {getattr(wanted, name):g}, not {getattr(have, name):g}"

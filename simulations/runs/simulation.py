@@ -34,7 +34,8 @@ from .limits import (
     too_wide,
     warnings_of,
 )
-from .reuse import Meshed, why_not
+from .plan import Plan
+from .reuse import why_not
 from .timing import Stopwatch
 
 # The far field that vanishes at infinity is a rigid translation of order 1/k and little else where k > 0 is small: its
@@ -42,7 +43,7 @@ from .timing import Stopwatch
 SMALLEST_K_AT_INFINITY = 0.01
 
 
-class Simulation(Meshed):
+class Simulation(Plan):
     """A scene on a communicator, ready to run.
 
     ``history`` grows by one entry a load step while ``run`` is iterated; ``body`` then carries that entry's fields.
@@ -63,7 +64,8 @@ class Simulation(Meshed):
         and loads over P.
         """
         super().__init__(scene, watch or Stopwatch())
-        self.mesh_of = like.mesh_of if like else None if cells else self.graded_for  # what the mesh was graded for
+        # what the mesh was graded for
+        self.mesh_of: tuple | None = like.mesh_of if like else None if cells else self.graded_for
         check_parameters(scene)
         check_output(scene, self.schedule, self.extent)
         if like is None:
@@ -141,7 +143,7 @@ class Simulation(Meshed):
 
     def _take_over(self, other: "Simulation"):
         """The body of ``other``, at rest; ValueError where this scene cannot be run on it."""
-        reason = why_not(other, self)
+        reason = why_not(other, other.cells, other.mesh_of, self)
         if reason:
             raise ValueError(f"the body cannot be taken over: {reason}")
         self.cells, self.ordinates, self.body = other.cells, other.ordinates, other.body
