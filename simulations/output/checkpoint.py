@@ -5,8 +5,6 @@ own place; ``memory.npz`` is replaced whole after every load step and says how m
 each. Whatever was half written when the run ended is overwritten by the run that goes on.
 """
 
-from __future__ import annotations
-
 import io
 import json
 import os
@@ -15,7 +13,6 @@ import zipfile
 import zlib
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -23,14 +20,12 @@ from ..fem.mesh import Grading
 from ..fem.surface import SurfaceState
 from ..loading.stepping import Outcome
 from ..runs import memory
+from ..runs.history import Entry
+from ..runs.simulation import Simulation
 from ..scene import Scene, SceneError, one_line, parse, shown
 from ..solvers.newton import NewtonResult
 from ..version import __version__
 from .files import on_disk
-
-if TYPE_CHECKING:
-    from ..runs.history import Entry
-    from ..runs.simulation import Simulation
 
 FOLDER, SCENE = "checkpoint", "scene.toml"
 SURFACE = ("pressure", "traction", "u", "delta", "neglected", "elastic")  # of a SurfaceState

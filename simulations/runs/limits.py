@@ -5,29 +5,22 @@ Where a run is of use beyond a limit, ``warnings_of`` has it in words.
 Every limit is measured (docs/stability.md). All lengths are in contact half-widths.
 """
 
-from __future__ import annotations
-
+from collections.abc import Sequence
 from math import ceil, expm1, floor, log, log10
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..scene import SceneError, shown
+from analytic import FrettingLoop
+
+from ..fem.contact_problem import ContactProblem
+from ..fem.mesh import Grading
+from ..loading.schedule import LoadStep
+from ..scene import Scene, SceneError, shown
 from ..scene.output import NORMAL
+from ..scene.scaling import Scaled
 from ..scene.steepness import steepness_warning
 from ..scene.tables import ExponentialCoating, LinearCoating, PowerLawCoating
 from ..solvers.newton import ATTAINABLE, FORCE_TOLERANCE, OVER_ROUND_OFF
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from analytic import FrettingLoop
-
-    from ..fem.contact_problem import ContactProblem
-    from ..fem.mesh import Grading
-    from ..loading.schedule import LoadStep
-    from ..scene import Scene
-    from ..scene.scaling import Scaled
 
 MOST_UNKNOWNS = 1_000_000  # some minutes, and 3 GB in the factorisation
 MOST_MATRIX = 4.0  # GB in the dense matrices of the condensed method

@@ -1,17 +1,13 @@
 """Memory that the next load step needs, gathered on rank 0 as arrays that fit any number of ranks, and put back."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ..fem.body import Y
 from ..fem.numbering import Numbering
 from ..loading.present_state import HELD_FORCES, arrays, fields, put_back
-
-if TYPE_CHECKING:
-    from ..loading.stepping import LoadStepping
+from ..loading.stepping import LoadStepping
 
 
 def save(solver: LoadStepping, numbering: Numbering) -> dict[str, np.ndarray] | None:
