@@ -1,6 +1,5 @@
 """Style of all pictures in one place: fonts, colours, markers, sizes, files."""
 
-import os
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -9,6 +8,7 @@ import numpy as np
 from matplotlib.ticker import MaxNLocator
 
 from ..scene import Scene, tables
+from .files import on_disk
 from .page_words import quantity, strain_course
 
 BLUE, ORANGE, GREEN, PURPLE, RED = "#0072B2", "#E69F00", "#009E73", "#CC79A7", "#D55E00"  # colour-blind safe
@@ -94,8 +94,7 @@ def save(figure, folder: Path, name: str) -> list[Path]:
     """NAME.pdf and NAME.png in ``folder``, each whole or not at all; the figure is closed."""
     paths = [folder / f"{name}.{kind}" for kind in ("pdf", "png")]
     for path in paths:
-        partial = path.with_name("part." + path.name)
-        figure.savefig(partial, dpi=PIXELS_PER_INCH)
-        os.replace(partial, path)
+        with on_disk(path) as partial:
+            figure.savefig(partial, dpi=PIXELS_PER_INCH)
     plt.close(figure)
     return paths

@@ -21,11 +21,12 @@ def expected(scene: Scene, effects: Effects) -> CriticalFriction | None:
 
     The patterns are as short as elements: of a coating the power law at its surface is taken.
     """
-    return _of_half_plane(scene.k, scene.solid.nu) if "coupling" in effects else None
+    return of_half_plane(scene.k, scene.solid.nu) if "coupling" in effects else None
 
 
 @lru_cache
-def _of_half_plane(k, nu):
+def of_half_plane(k: float, nu: float) -> CriticalFriction:
+    """The same bounds at k and ν alone."""
     return critical_friction(RateOperator.of(PowerLawKernel(GradedHalfPlane(1.0, nu, k, 1.0))))
 
 

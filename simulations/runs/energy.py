@@ -59,7 +59,7 @@ class EnergyMeter:
 
     def read(self, entry: Entry):
         """Add the load step that ended with ``entry``."""
-        body, surface, load = self.body, entry.surface, entry.step
+        body, surface, load = self.body, entry.surface, entry.step.load
         body.complete()
         u = body.state.x.petsc_vec.array_r.copy()
         force = body.symmetry_factor * self._forces.of(u)
@@ -68,8 +68,8 @@ class EnergyMeter:
             "body": (force, u),
             "elastic slip": surface.elastic_energy,
             "boundary": (force[far], u[far]),
-            "indenter": (np.array(load.load.components), surface.delta),
-            "stretching": (surface.weight * surface.traction, load.load.strain * surface.x),
+            "indenter": (np.array(load.components), surface.delta),
+            "stretching": (surface.weight * surface.traction, load.strain * surface.x),
             "friction": (surface.weight * surface.traction, surface.relative_displacement),
             "gap": (surface.weight * surface.pressure, surface.u[Y] - surface.delta[Y]),
         }

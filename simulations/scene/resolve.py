@@ -45,7 +45,7 @@ def typed_tables(given: Mapping[str, Any]) -> dict[str, Table]:
         "indenter": indenter,
         "load": load,
         "mesh": Mesh(**raw["mesh"]),
-        "solver": Solver(**raw["solver"]),
+        "solver": solver,
         "reference": Reference(**raw["reference"]),
         "effects": effects,
         "output": Output(**raw["output"]),

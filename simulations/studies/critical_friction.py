@@ -7,12 +7,10 @@ Half a minute on one core. docs/critical_friction.md says what the bounds are bo
 
 import numpy as np
 
-from analytic import GradedHalfPlane, PowerLawKernel
-from analytic.half_plane.critical_friction import RateOperator, critical_friction
-
 from ..command.command import comm, on_root, run, say
 from ..output.files import write_table
 from ..output.style import BLACK, RED, panels, save, style
+from ..runs.critical_friction import of_half_plane
 from .commandline import read_map
 
 K, NU = (-0.8, 0.8), (0.0, 0.5)
@@ -34,8 +32,7 @@ def main(arguments: list[str]):
 
 def row(k: float, nu: float) -> dict:
     """Both bounds at k and ν, and the pattern of the upper one."""
-    found = critical_friction(RateOperator.of(PowerLawKernel(GradedHalfPlane(1.0, nu, k, 1.0))))
-    return {"k": f"{k:.6g}", "nu": f"{nu:.6g}"} | vars(found)
+    return {"k": f"{k:.6g}", "nu": f"{nu:.6g}"} | vars(of_half_plane(k, nu))
 
 
 def _draw(folder, rows, k, nu):
