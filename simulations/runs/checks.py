@@ -83,12 +83,12 @@ def check(
 def check_errors(errors: dict[str, float], own: dict[str, float], stick: float = 0.0) -> dict[str, Check]:
     """Checks of a run's errors beside its reference, by the names of ``comparison.compare``; nan is not known.
 
-    stick: c/a of the reference, as the error of c is judged over a: a narrow stick zone spoils no more than c; 0: c is
-    not judged.
+    stick: c/a of the reference, as the error of c is judged over a: a narrow stick zone spoils no more than c. nan is
+    a run without one there, as if c were 0; stick = 0: c is not judged.
     own: of these errors what is the reference's, which is in them and may have made them as much larger again. It
     excuses no more than twice the limit: a reference that is known less well does not judge the run.
     """
-    scaled = errors | {"c": stick * errors.get("c", np.nan) if stick else np.nan}
+    scaled = errors | {"c": stick * float(np.nan_to_num(errors["c"], nan=-1.0)) if stick else np.nan}
     known = {name: abs(scaled[name]) for name in ERRORS if not np.isnan(scaled.get(name, np.nan))}
     excused = {name: 2 * min(own.get(name, 0.0), ERRORS[name]) for name in known}
     found = {name: Check(max(error - excused[name], 0.0), ERRORS[name]) for name, error in known.items()}

@@ -145,6 +145,12 @@ def test_the_stick_half_width_is_judged_over_that_of_contact():
     assert narrow.holds and wide == checks.Check(pytest.approx(0.15), 0.05, checks.LARGE)
 
 
+def test_a_stick_zone_that_the_run_has_lost_fails_unless_it_is_narrow():
+    narrow, wide, unknown = (checks.check_errors({"c": np.nan}, {}, stick) for stick in (0.02, 0.3, np.nan))
+    assert narrow["error of c"].holds and wide["error of c"] == checks.Check(0.3, 0.05, checks.LARGE)
+    assert not unknown
+
+
 def test_a_reference_that_is_hardly_known_excuses_little():
     found = checks.check_errors({"traction_l2": 0.71}, {"traction_l2": 0.35})
     assert found["error of traction"].value == pytest.approx(0.51) and not checks.hold(found)
