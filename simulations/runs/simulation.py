@@ -72,27 +72,15 @@ class Simulation(Plan):
             freeing.earlier(comm)
             with self.watch("mesh"):
                 self.cells = cells or on_root(comm, self.grading)
-                check_resolution(scene, self.cells, self.loop)
-                check_depth(scene, self.cells)
-                self.ordinates = self._ordinates()
-                check_size(scene, self.cells, *(len(nodes) - 1 for nodes in self.ordinates))
-                mesh, facets = create_mesh(comm, *self.ordinates)
+                mesh, facets = self._mesh(comm)
         with self.watch("forms"):  # compiles them the first time
             if like is None:
                 self.body = self._body(mesh, facets)
                 freeing.later(self.body)
             else:
                 self._take_over(like)
-            nitsche = Nitsche(scene.solver.gamma0, scene.solver.theta)
-            indenter = self.scaled.indenter
-            normal = ContactProblem(self.body, indenter.height, nitsche, (Y,))
-            check_round_off(scene, self.cells, normal)
-            frictional = None
-            if scene.friction:
-                directions = (X, Y) if "coupling" in self.effects else (X,)
-                elastic = self.scaled.elastic_compliance(scene)
-                frictional = ContactProblem(self.body, indenter.height, nitsche, directions, self.mu, elastic)
-        pressing = self.pressing_with_friction
+            normal, frictional = self._problems()
+        pressing, indenter = self.pressing_with_friction, self.scaled.indenter
         self.solver = LoadStepping(
             normal,
             frictional,
@@ -117,6 +105,26 @@ class Simulation(Plan):
         """Of the frictionless contact under the first load; of a coating not more than a, nearly."""
         load = self.schedule[0].P
         return min(normal_contact(self.scaled.solid, self.scaled.indenter, load).a, 1.0) if load < 1.0 else 1.0
+
+    def _mesh(self, comm):
+        """The mesh of the cells with its facet tags; SceneError where it would not do or would be too large."""
+        check_resolution(self.scene, self.cells, self.loop)
+        check_depth(self.scene, self.cells)
+        self.ordinates = self._ordinates()
+        check_size(self.scene, self.cells, *(len(nodes) - 1 for nodes in self.ordinates))
+        return create_mesh(comm, *self.ordinates)
+
+    def _problems(self) -> tuple[ContactProblem, ContactProblem | None]:
+        """The contact problems of the normal stage and of the stage with friction, if there is one."""
+        scene, height = self.scene, self.scaled.indenter.height
+        nitsche = Nitsche(scene.solver.gamma0, scene.solver.theta)
+        normal = ContactProblem(self.body, height, nitsche, (Y,))
+        check_round_off(scene, self.cells, normal)
+        if not scene.friction:
+            return normal, None
+        directions = (X, Y) if "coupling" in self.effects else (X,)
+        elastic = self.scaled.elastic_compliance(scene)
+        return normal, ContactProblem(self.body, height, nitsche, directions, self.mu, elastic)
 
     def _ordinates(self):
         """Columns and layers of the mesh."""
