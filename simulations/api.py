@@ -6,6 +6,7 @@ import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -99,8 +100,16 @@ class Result:
 
     @cached_property
     def checks(self) -> dict[str, checks.Check]:
-        """What the run is checked for after the solve, by name: value, limit, and whether it ``holds``."""
-        return zigzags.checked(self.simulation)
+        """What the run is checked for after the solve, by name: value, limit, and whether it ``holds``.
+
+        Errors are among them beside a closed form, which costs nothing.
+        """
+        simulation, found = self.simulation, zigzags.checked(self.simulation)
+        exact = reference.closed_form(simulation) if simulation.effects.has_closed_form else None
+        if exact is None or simulation.scene.reference.kind == "none":
+            return found
+        errors = comparison.compare(simulation.history, exact) | comparison.worst(simulation.history, exact)
+        return found | zigzags.checked_errors(simulation, exact, errors, {})
 
     def errors(self) -> dict[str, float]:
         """Relative deviations from what has the same physics; reference.NoReference where there is none."""
@@ -109,7 +118,7 @@ class Result:
 
 def run(
     changes: Mapping[str, Any] | Scene | None = None,
-    base: str | Scene | None = DEFAULT_SCENE,
+    base: str | Path | Scene | None = DEFAULT_SCENE,
     comm: MPI.Comm = MPI.COMM_SELF,
     progress: Callable[[Entry], None] | None = None,
 ) -> Result:

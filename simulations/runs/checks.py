@@ -203,8 +203,8 @@ def still_changing(history: History) -> int:
 # a run is wrong beyond these; of c over a
 ERRORS = {"pressure_l2": 0.1, "traction_l2": 0.1, "a": 0.05, "c": 0.05, "dissipated_energy": 0.05}
 LARGE = (
-    "a higher mesh.degree, finer facets (mesh.facet, mesh.edge_facet), a smaller mesh.layer_growth or more "
-    "solver.increments make errors smaller"
+    "more solver.increments (first of all for the energy), a higher mesh.degree, finer facets (mesh.facet, "
+    "mesh.edge_facet) or a smaller mesh.layer_growth make errors smaller"
 )
 UNKNOWN = "the reference's own error is {:.0%}, which is too much to judge by; more solver.increments make it smaller"
 BENT = 0.1  # of the range of u_y, which is about f(a) under a round indenter

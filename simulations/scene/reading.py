@@ -1,6 +1,7 @@
 """Scenes from text and from flat keys: TOML, ``key=value`` and dictionaries to a Scene."""
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 from .effects import Effects
@@ -9,7 +10,7 @@ from .fields import allowed
 from .scene import Scene
 from .table import fields, unknown
 from .tables import ONE_OF_TWO
-from .text import flatten, read_keys, read_value
+from .text import flatten, read_keys, read_text, read_value
 
 DEFAULT_SCENE = """\
 title = "Figure 11b: positive in-depth grading at the Holl ratio"
@@ -43,13 +44,26 @@ def parse(text: str, overrides: tuple[str, ...] = (), name: str = "the scene") -
     return _scene(_changed(given, changes))
 
 
-def make_scene(changes: Mapping[str, Any] | None = None, base: str | Scene | None = DEFAULT_SCENE) -> Scene:
-    """A checked scene: ``base`` (TOML text, a Scene, or None for nothing) with changed keys; or a SceneError.
+def make_scene(
+    changes: Mapping[str, Any] | None = None, base: str | Path | Scene | None = DEFAULT_SCENE
+) -> Scene:
+    """A checked scene: ``base`` (TOML text, a file, a Scene, or None for nothing) with changed keys; or a SceneError.
 
     changes: ``{"solid.k": 0.5}`` or tables, ``{"solid": {"k": 0.5}}``; a key that is None is taken out.
     """
-    given = {} if base is None else base.to_keys() if isinstance(base, Scene) else read_keys(base)
+    if not isinstance(changes, Mapping | None):
+        raise SceneError(f"changes = {shown(changes)} are not allowed: keys and values; base may be a pathlib.Path")
+    given = {} if base is None else base.to_keys() if isinstance(base, Scene) else read_keys(text_of(base))
     return _scene(_changed(given, flatten(dict(changes or {}))))
+
+
+def text_of(base: str | Path) -> str:
+    """TOML text, or that of a file; SceneError where it is neither."""
+    if isinstance(base, Path):
+        return read_text(base, "scene")
+    if not isinstance(base, str) or base.endswith(".toml"):
+        raise SceneError(f"base = {shown(base)} is not allowed: TOML text, a pathlib.Path, a Scene or None")
+    return base
 
 
 def language() -> dict[str, str]:

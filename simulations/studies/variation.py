@@ -5,7 +5,7 @@ import io
 import itertools
 import re
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -83,6 +83,9 @@ def product(
     """
     if not isinstance(vary, Mapping):
         rows, vary = [dict(row) for row in vary], {}
+    for key, values in vary.items():
+        if isinstance(values, str) or not isinstance(values, Iterable):
+            raise SceneError(f"{key} = {shown(values)} is not allowed: a list of the values that it is to take")
     columns = {key: [_plain(value) for value in values] for key, values in vary.items()}
     for key, values in columns.items():
         if not values:
