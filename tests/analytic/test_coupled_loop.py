@@ -49,7 +49,7 @@ def error(state, values, expected):
     return np.sqrt(state.weight @ (values - expected) ** 2 / (state.weight @ expected**2))
 
 
-def assert_closed_forms(states, contact, mu, Q_A, tolerance):
+def assert_closed_forms(states, contact, mu, Q_A, tolerance, of_energy=2e-7):
     exact = contact.fretting(mu, Q_A)
     for state, branch in zip(states[1:], BRANCHES, strict=True):
         x = state.x
@@ -60,15 +60,16 @@ def assert_closed_forms(states, contact, mu, Q_A, tolerance):
         assert error(state, np.where(inside, -state.slip, 0.0), slip) < tolerance
         d = exact.active_half_width(state.Q, branch)
         assert np.abs(np.array([state.contact, state.stick]) - [[-contact.a, contact.a], [-d, d]]).max() < tolerance * d
-    assert states[1].dissipated_energy == pytest.approx(exact.dissipated_energy / 4, rel=2e-7)
+    assert states[1].dissipated_energy == pytest.approx(exact.dissipated_energy / 4, rel=of_energy)
     cycle = states[-1].dissipated_energy - states[1].dissipated_energy
-    assert cycle == pytest.approx(exact.dissipated_energy, rel=2e-7)
+    assert cycle == pytest.approx(exact.dissipated_energy, rel=of_energy)
 
 
-@pytest.mark.parametrize("k", [-0.5, 0.3])
-def test_without_coupling_the_closed_forms(k):
+@pytest.mark.parametrize("k, tolerances", [(-0.9, (1e-3, 2e-6)), (-0.7, (2e-8,)), (0.3, (2e-8,)), (0.9, (2e-8,))])
+def test_without_coupling_the_closed_forms(k, tolerances):
+    """An edge that is known to 5e-7 leaves 5e-4 in q where it ends like distance^0.05."""
     Q_A = 0.6 * MU * P
-    assert_closed_forms(loop(k, 0.3, MU, 0.6, False), CylinderContact(solid_of(k), R, P), MU, Q_A, 2e-8)
+    assert_closed_forms(loop(k, 0.3, MU, 0.6, False), CylinderContact(solid_of(k), R, P), MU, Q_A, *tolerances)
 
 
 def test_holl_ratio_decouples():
@@ -90,7 +91,7 @@ def test_other_profile_without_coupling():
         CoupledLoop(solid_of(0.3), flat, P, MU).run(loads(0.1, 1))
 
 
-@pytest.mark.parametrize(("k", "mu", "share"), [(0.0, 0.6, 0.6), (0.3, 0.3, 0.9)])
+@pytest.mark.parametrize(("k", "mu", "share"), [(-0.8, 0.3, 0.9), (0.0, 0.6, 0.6), (0.3, 0.3, 0.9), (0.9, 0.3, 0.6)])
 def test_conditions_and_balances_with_coupling(k, mu, share):
     for before, state in zip(loop(k, 0.3, mu, share), loop(k, 0.3, mu, share)[1:], strict=False):
         assert state.weight @ state.pressure == pytest.approx(P, rel=1e-6)
