@@ -28,7 +28,7 @@ from .commandline import make_folders, study_parser
 from .engine import FAILED, Item, Row, run_all, workers
 from .store import Store
 
-K, NU = (-0.5, -0.3, 0.0, 0.3, 0.5, 0.7), (0.0, 0.2, 0.4, 0.495)
+K, NU = (-0.9, -0.7, -0.5, -0.3, 0.0, 0.3, 0.5, 0.7, 0.9), (0.0, 0.2, 0.4, 0.495)
 FRICTION, AMPLITUDE = (0.3, 0.1, 0.6, 1.0), (0.6, 0.95, 0.3)
 WITH_ELEMENTS = (0.2, 0.3, 0.95), (0.4, 0.6, 0.6)  # ν, μ and Q_A/μP, for every k, with finite elements beside
 WAY = (0.5, 1.0, 0.5, 0.0, -0.5, -1.0, -0.5, 0.0, 0.5, 1.0)  # Q over Q_A
@@ -101,8 +101,8 @@ def elements(values: Row) -> Row:
 
 
 def table(values: list[Row], rows: list[Row]) -> str:
-    """Markdown: for every k the loops served, largest differences of two orders, largest errors of finite elements."""
-    lines = ["| k | served | p | q | c/a | energy | finite elements: p | q | slip | energy |", "|---" * 10 + "|"]
+    """Markdown: for every k the loops solved, largest differences of two orders, largest errors of finite elements."""
+    lines = ["| k | solved | p | q | c/a | energy | finite elements: p | q | slip | energy |", "|---" * 10 + "|"]
     for k in K:
         here = [(value["kind"], row) for value, row in zip(values, rows, strict=True) if value["k"] == k]
         served, beside = ([r for kind, r in here if kind == one and "seconds" in r] for one in KINDS)

@@ -7,11 +7,11 @@ from simulations.studies.coupled_loops import DIFFERENCES, ERRORS
 
 
 def test_cases():
-    assert len(coupled_loops.cases(["reference"])) == 6 * 4 * 4 * 3
-    assert len(coupled_loops.cases(["elements"])) == 12
+    assert len(coupled_loops.cases(["reference"])) == 9 * 4 * 4 * 3
+    assert len(coupled_loops.cases(["elements"])) == 18
 
 
-def test_one_loop_and_one_that_is_not_served(monkeypatch):
+def test_one_loop_and_one_that_is_not_solved(monkeypatch):
     """Two orders are close and not the same; points that come into contact in stick are said."""
     monkeypatch.setattr(coupled_loops, "ORDER", 8)
     monkeypatch.setattr(coupled_loops, "WAY", (1.0, -1.0, 1.0))
@@ -23,10 +23,10 @@ def test_one_loop_and_one_that_is_not_served(monkeypatch):
 
 
 def test_table():
-    """A row a k: loops served, largest differences, largest errors of finite elements."""
+    """A row a k: loops solved, largest differences, largest errors of finite elements."""
     values = [{"kind": kind, "k": 0.3} for kind in ("reference", "reference", "reference", "elements")]
     numbers = dict.fromkeys(DIFFERENCES, 1e-8)
-    rows = [numbers | {"seconds": 1.0}, numbers | {"seconds": 1.0, "energy": 2e-7}, {"why": "not served"}]
+    rows = [numbers | {"seconds": 1.0}, numbers | {"seconds": 1.0, "energy": 2e-7}, {"why": "not solved"}]
     lines = coupled_loops.table(values, [*rows, dict.fromkeys(ERRORS, 1e-3) | {"seconds": 9.0}]).splitlines()
     assert len(lines) == 2 + len(coupled_loops.K)
     line = next(line for line in lines if line.startswith("| 0.3 "))
