@@ -21,6 +21,7 @@ NODES = (400, 300)  # the next number is tried where one does not converge
 FINER = 2  # load steps of the reference for one of the run: what depends on the steps is not shared
 STEPS_TO_POINT = 8  # load steps from point to point of a path: with fewer the error does not yet fall like the step
 FEWER_NODES = (200, 150)  # with more load steps: their error is then what counts, and a load step costs a fifth
+BAND = 0.01  # of the contact's width: narrower bands of slip within a stick zone have one node or two
 SHARE_OF_NODES = 0.75  # nodes for one, and half of the load steps, for an estimate of the reference's error
 
 
@@ -103,9 +104,13 @@ class MeshFree:
         return self._at(entry).contact
 
     def stick_half_width(self, entry):
-        """Half the length of the longest stick zone."""
-        left, right = self._at(entry).stick
-        return (right - left) / 2
+        """Half the length of the longest stick zone, whose bands of slip below BAND are this solution's error."""
+        state = self._at(entry)
+        if not len(state.stick_zones):
+            return np.nan
+        left, right = state.stick_zones.T
+        apart = left[1:] - right[:-1] > BAND * np.subtract(*state.contact[::-1])
+        return float(np.max(right[np.append(apart, True)] - left[np.append(True, apart)])) / 2
 
     def dissipated_energy(self):
         """Of the last full cycle, where there is none since first contact: while P grows alone by the exact contact,

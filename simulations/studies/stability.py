@@ -20,7 +20,7 @@ from ..command.command import comm, on_root, run, say
 from ..loading.stepping import SolveError
 from ..output.files import write_table, write_text
 from ..runs import critical_friction, zigzags
-from ..runs.checks import LARGE, Check, check_errors, drift, still_changing
+from ..runs.checks import LARGE, Check, drift, still_changing
 from ..runs.comparison import compare, worst_and_own
 from ..runs.energy import EnergyMeter, worst_defect
 from ..runs.reference import NoReference, of_same_physics
@@ -119,8 +119,8 @@ def _measure(scene: Scene, every_state: bool) -> dict:
     if drifting > max(DRIFT, 10 * tolerance):
         defects["drift"] = drifting
     unsettled = max(entry.residual / entry.tolerance for entry in history.entries)
-    errors, own = _errors(simulation, every_state)
-    off = {name: c for name, c in check_errors(errors, own).items() if not c.holds}
+    errors, beside = _errors(simulation, every_state)
+    off = {name: c for name, c in beside.items() if not c.holds}
     outcome, why = GREEN, ""
     if defects:
         outcome, why = FAILING, _told(defects, checks.values())
@@ -152,8 +152,8 @@ def _told(values: dict[str, float], checks: Iterable[Check]) -> str:
     return "; ".join([numbers, *(c.cause for c in checks if c.cause)])
 
 
-def _errors(simulation: Simulation, every_state: bool) -> tuple[dict[str, float], dict[str, float]]:
-    """Of the last state, or the largest of all states of the last cycle, and the reference's own; none without one."""
+def _errors(simulation: Simulation, every_state: bool) -> tuple[dict[str, float], dict[str, Check]]:
+    """Of the last state, or the largest of all states of the last cycle, and their checks; none without reference."""
     history = simulation.history
     try:
         reference = of_same_physics(simulation)
@@ -162,7 +162,8 @@ def _errors(simulation: Simulation, every_state: bool) -> tuple[dict[str, float]
     if isinstance(reference, Springs) or simulation.scene.reference.kind == "half-plane":
         found = compare(history, reference)
         largest, own = worst_and_own(history, reference)
-        return found | (largest if every_state else {}), own
+        found |= largest if every_state else {}
+        return found, zigzags.checked_errors(simulation, reference, found, own)
     return {}, {}
 
 
