@@ -4,6 +4,7 @@ import csv
 import json
 import re
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from simulations.output.table import table
 from simulations.runs import checks, report_data
 from simulations.runs.comparison import worst
 from simulations.runs.energy import EnergyMeter, worst_defect
+from simulations.runs.mesh_free import MeshFree
 from simulations.runs.springs import Springs
 
 
@@ -149,6 +151,23 @@ def test_a_stick_zone_that_the_run_has_lost_fails_unless_it_is_narrow():
     narrow, wide, unknown = (checks.check_errors({"c": np.nan}, {}, stick) for stick in (0.02, 0.3, np.nan))
     assert narrow["error of c"].holds and wide["error of c"] == checks.Check(0.3, 0.05, checks.LARGE)
     assert not unknown
+
+
+def test_bands_of_slip_at_the_edges_do_not_widen_the_stick_zone(monkeypatch):
+    """With little friction points at the edges stick beside a band that slips: c was 0.99 a in the reference. A band of
+    one node within the zone is the reference's own.
+    """
+    scene = {"solid__k": -0.3, "solid__nu": -0.435, "load__mu": 0.0115, "load__amplitude": 0.43}
+    simulation = coarse_simulation(**scene, solver__increments=3, effects__coupling="true").run_to_end()
+    last = simulation.history.entries[-1]
+    reference = MeshFree(simulation, nodes=(80,))
+    assert reference.stick_half_width(last) == pytest.approx(last.c, rel=0.03)
+    zones = np.array([[-0.99, -0.98], [-0.84, 0.1], [0.115, 0.82]])
+    state = SimpleNamespace(stick_zones=zones, contact=(-1.0, 1.0))
+    monkeypatch.setattr(reference, "_at", lambda entry: state)
+    assert reference.stick_half_width(last) == pytest.approx(0.83)
+    state.stick_zones = np.empty((0, 2))
+    assert np.isnan(reference.stick_half_width(last))
 
 
 def test_a_reference_that_is_hardly_known_excuses_little():
