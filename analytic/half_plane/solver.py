@@ -109,7 +109,7 @@ class HalfPlaneContact:
             new = layout.of(solution, mu, k, old_edges)
             last_motion, motion = motion, new.distance(layout)
             if fine and motion < (SOUGHT if fine > 2 * HALF_PASSES else settled):
-                return self._remember(memory, new, operator, solution, load, normal_stage, motion, iterations)
+                return self._remember(memory, new, operator, solution, load, normal_stage, iterations)
             if any(new.distance(other) < settled for other in earlier):  # edges go round: once more
                 if fine > 2 * HALF_PASSES:
                     break
@@ -127,8 +127,7 @@ class HalfPlaneContact:
                 f"P = {P:g}, Q = {Q:g}: after {number + 1} passes the edges of contact still move "
                 f"by {motion:.1e} of the width of the contact"
             )
-        motion = new.distance(layout)
-        return self._remember(memory, new, operator, solution, load, normal_stage, motion, iterations)
+        return self._remember(memory, new, operator, solution, load, normal_stage, iterations)
 
     def _solved(self, layout, fine, adapted, memory, mu, load, previous):
         """Operator and solution on the nodes of ``layout``, more of them should the contact reach the last.
@@ -155,7 +154,7 @@ class HalfPlaneContact:
                 return operator, previous
             margin += 0.1 * layout.width
 
-    def _remember(self, memory, layout, operator, solution, load, normal_stage, motion, iterations):
+    def _remember(self, memory, layout, operator, solution, load, normal_stage, iterations):
         P, Q, strain = load
         x = operator.nodes
         reached = solution.position + strain * x
@@ -195,7 +194,6 @@ class HalfPlaneContact:
             memory.dissipated_energy + work,
             solution.delta_x,
             solution.delta_y,
-            motion,
             iterations,
             strain,
         )

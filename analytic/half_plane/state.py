@@ -21,8 +21,7 @@ class ContactState:
     contact, stick: left and right edge [length], stick nan without friction;
     stick_zones: all of them, shape (n, 2); dissipated_energy: frictional work since first contact [stress x length²];
     delta_x, delta_y: displacements of the indenter [length], for k <= 0 up to a constant times the loads;
-    edge_motion: between the last two sets of nodes, over the width of the contact; iterations: linear solves;
-    strain: of the half-plane along x [1].
+    iterations: linear solves; strain: of the half-plane along x [1].
     """
 
     P: float
@@ -40,7 +39,6 @@ class ContactState:
     dissipated_energy: float
     delta_x: float
     delta_y: float
-    edge_motion: float
     iterations: int
     strain: float = 0.0
 

@@ -67,7 +67,7 @@ class FullSystem:
         if held:
             aside = self._rigid.index(X)
             schur[aside], rigid[aside] = np.eye(len(rigid))[aside], 0.0
-        regular = np.linalg.cond(schur) < SINGULAR
+        regular = bool(np.isfinite(schur).all()) and np.linalg.cond(schur) < SINGULAR
         rigid = np.linalg.solve(schur, rigid) if regular else np.full_like(rigid, np.nan)
         for z, value in zip(self._responses, rigid):
             response.axpy(-value, z)
