@@ -11,6 +11,7 @@ SKIPPED, FITTED = 5, 10  # nodes next to an edge that carry its discretisation e
 # A traction this close (relative to the largest limit) to its limit slides: forces are known to 1e-9 P, tractions on
 # facets of 1e-3 a a thousand times less well.
 AT_LIMIT = 1e-6
+BAND = 0.01  # of the contact's width: a narrower band of slip within a stick zone is a node or two, and no end of it
 
 
 @dataclass(frozen=True)
@@ -103,7 +104,8 @@ def fitted_contact_edges(state: SurfaceState, exponents: tuple[float, float]) ->
 def fitted_stick_edges(
     state: SurfaceState, mu: float, direction: int, exponents: tuple[float, float]
 ) -> tuple[float, float]:
-    """Left and right edge of the stick zone, of several the longest; both are nan when every point slips.
+    """Left and right edge of the stick zone, of several the longest; both are nan when every point slips. Those that
+    less than BAND keeps apart are one.
 
     The traction's distance from the limit that points beyond an edge slide at, mu p - s q, ends there like a power of
     the distance: (1+k)/2 in (47). s is the sign of q there, which differs between both edges where P changes; where no
@@ -111,7 +113,9 @@ def fitted_stick_edges(
     """
     limit, q = mu * state.pressure, state.traction
     slides = np.where(at_limit(state, mu), np.sign(q), 0.0)
-    first, last = _longest_run(state.x, (limit > AT_LIMIT * limit.max()) & (slides == 0.0))
+    closed = state.x[state.pressure > 0]
+    band = BAND * np.ptp(closed) if closed.size else 0.0
+    first, last = _longest_run(state.x, (limit > AT_LIMIT * limit.max()) & (slides == 0.0), band)
     margins = []
     for beyond in (first - 1, last):
         s = (slides[beyond] if 0 <= beyond < len(slides) else 0.0) or direction
@@ -147,11 +151,13 @@ def _zero(x, values):
     return float(x[-1])
 
 
-def _longest_run(x, mask):
-    """First index and end of the run of True that is longest in x."""
+def _longest_run(x, mask, gap=0.0):
+    """First index and end of the run of True that is longest in x; runs no more than ``gap`` apart are one."""
     ends = np.flatnonzero(np.diff(np.concatenate([[0], mask.astype(int), [0]])))
     if ends.size == 0:
         return 0, 0
     starts, stops = ends[::2], ends[1::2]
+    apart = x[starts[1:]] - x[stops[:-1] - 1] > gap
+    starts, stops = starts[np.append(True, apart)], stops[np.append(apart, True)]
     longest = np.argmax(x[stops - 1] - x[starts])
     return starts[longest], stops[longest]

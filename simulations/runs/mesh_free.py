@@ -9,6 +9,7 @@ from analytic import PressingWithFriction
 from analytic.half_plane.state import ContactState
 
 from ..fem.load import Load
+from ..fem.surface import BAND
 from ..loading.schedule import LoadStep
 from .expected_edges import half_plane_solver
 from .history import Entry
@@ -21,7 +22,6 @@ NODES = (400, 300)  # the next number is tried where one does not converge
 FINER = 2  # load steps of the reference for one of the run: what depends on the steps is not shared
 STEPS_TO_POINT = 8  # load steps from point to point of a path: with fewer the error does not yet fall like the step
 FEWER_NODES = (200, 150)  # with more load steps: their error is then what counts, and a load step costs a fifth
-BAND = 0.01  # of the contact's width: narrower bands of slip within a stick zone have one node or two
 SHARE_OF_NODES = 0.75  # nodes for one, and half of the load steps, for an estimate of the reference's error
 
 
@@ -104,7 +104,7 @@ class MeshFree:
         return self._at(entry).contact
 
     def stick_half_width(self, entry):
-        """Half the length of the longest stick zone, whose bands of slip below BAND are this solution's error."""
+        """Half the length of the longest stick zone, with narrow bands of slip within as in a run's."""
         state = self._at(entry)
         if not len(state.stick_zones):
             return np.nan
