@@ -21,7 +21,9 @@ from .expected_edges import TURNED, ExpectedEdges, several, stops_at
 
 LOWEST, HIGHEST = -0.9, 0.9  # k for which docs/accuracy.md has what both orders of the basis differ by
 STEEP = -0.5  # k below which pressure zigzags where its edge has no place in a facet: by 15 % at k = -0.6
-FINE = {1: 2e-3, 2: 0.02, 3: 0.02}  # by degree: smaller facets at edges, over a, gain from better edges
+# by degree: smaller facets at edges, over a, gain from better edges; for k < STEEP those of degree 1 at any degree,
+# as on larger ones the energy of a load step is known to 1.2e-6 only (k = -0.9)
+FINE = {1: 2e-3, 2: 0.02, 3: 0.02}
 MERGED = 0.5  # smallest facets between edges, below which both have one place
 
 
@@ -51,7 +53,7 @@ def grades(scene: Scene, effects: Effects) -> bool:
     """True where the mesh is graded to the edges of this solution: no closed form has them, and facets so small that
     rough ones do less well.
     """
-    fine = scene.cell_sizes["edge_facet"] < FINE[scene.mesh.degree]
+    fine = scene.cell_sizes["edge_facet"] < (FINE[1] if scene.k < STEEP else FINE[scene.mesh.degree])
     return scene.is_loop and fine and not scene.contact_has_closed_form and serves(scene, effects)
 
 
