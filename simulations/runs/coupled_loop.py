@@ -53,8 +53,9 @@ def grades(scene: Scene, effects: Effects) -> bool:
     """True where the mesh is graded to the edges of this solution: no closed form has them, and facets so small that
     rough ones do less well.
     """
-    fine = scene.cell_sizes["edge_facet"] < (FINE[1] if scene.k < STEEP else FINE[scene.mesh.degree])
-    return scene.is_loop and fine and not scene.contact_has_closed_form and serves(scene, effects)
+    if not scene.is_loop or scene.contact_has_closed_form or not serves(scene, effects):
+        return False
+    return scene.cell_sizes["edge_facet"] < FINE[1 if scene.k < STEEP else scene.mesh.degree]
 
 
 def loop_edges(scene: Scene, scaled: Scaled, mu: float, schedule: Sequence[LoadStep]) -> ExpectedEdges | None:
