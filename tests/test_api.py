@@ -109,6 +109,8 @@ def test_a_scene_may_be_a_file(tmp_path):
         (lambda: make_scene([1, 2]), "changes = .1, 2. are not allowed"),
         (lambda: make_scene({}, base="mine.toml"), "base = 'mine.toml' is not allowed: TOML text, a pathlib.Path"),
         (lambda: make_scene({}, base=3), "base = 3 is not allowed"),
+        (lambda: sweep("mine.toml", {"load.mu": [0.3]}), "scene = 'mine.toml' is not allowed: TOML text"),
+        (lambda: sweep(Path("nowhere.toml"), {"load.mu": [0.3]}), "scene nowhere.toml cannot be read"),
         (lambda: sweep(vary={"load.mu": 0.3}), "load.mu = 0.3 is not allowed: a list"),
         (lambda: sweep(vary={"load.mu": "0.1,0.2"}), "load.mu = '0.1,0.2' is not allowed: a list"),
     ],

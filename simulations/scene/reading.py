@@ -57,12 +57,12 @@ def make_scene(
     return _scene(_changed(given, flatten(dict(changes or {}))))
 
 
-def text_of(base: str | Path) -> str:
-    """TOML text, or that of a file; SceneError where it is neither."""
+def text_of(base: str | Path, name: str = "base") -> str:
+    """TOML text, or that of a file; SceneError, which calls it ``name``, where it is neither."""
     if isinstance(base, Path):
         return read_text(base, "scene")
     if not isinstance(base, str) or base.endswith(".toml"):
-        raise SceneError(f"base = {shown(base)} is not allowed: TOML text, a pathlib.Path, a Scene or None")
+        raise SceneError(f"{name} = {shown(base)} is not allowed: TOML text, a pathlib.Path, a Scene or None")
     return base
 
 

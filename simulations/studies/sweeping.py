@@ -53,7 +53,7 @@ class Table(list[Row]):
 
 
 def sweep(
-    scene: str | Scene | Mapping[str, Any] = DEFAULT_SCENE,
+    scene: str | Path | Scene | Mapping[str, Any] = DEFAULT_SCENE,
     vary: Mapping[str, Sequence] | Sequence[Mapping[str, Any]] = (),
     executor: Executor | None = None,
     output: str | Path | None = None,
@@ -64,11 +64,11 @@ def sweep(
 ) -> Table:
     """Run every combination of ``vary`` on ``scene``; SceneError, before anything is run, where the input is wrong.
 
-    scene: TOML text, a Scene, or all its keys; vary: values by key, or a list of changes; executor: of processes that
-    share the scenes with this one, for instance a ProcessPoolExecutor that spawns them; output: folder in which
-    finished scenes are kept, so that a sweep that was stopped goes on, and with ``folders`` the results of each; sets:
-    ``KEY=VALUE`` for all scenes; tell: called with lines of progress; overwrite: replace another sweep in ``output``,
-    which is refused otherwise. A scene that fails is a row with its reason.
+    scene: TOML text, a file, a Scene, or all its keys; vary: values by key, or a list of changes; executor: of
+    processes that share the scenes with this one, for instance a ProcessPoolExecutor that spawns them; output: folder
+    in which finished scenes are kept, so that a sweep that was stopped goes on, and with ``folders`` the results of
+    each; sets: ``KEY=VALUE`` for all scenes; tell: called with lines of progress; overwrite: replace another sweep in
+    ``output``, which is refused otherwise. A scene that fails is a row with its reason.
     """
     text, sets = base_of(scene), tuple(sets)
     cases = product(vary)

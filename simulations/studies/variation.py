@@ -11,8 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from ..scene import SceneError, parse, shown
+from ..scene import Scene, SceneError, parse, shown
 from ..scene.errors import one_line
+from ..scene.reading import text_of
 from ..scene.text import flatten, read_keys, read_text, read_value, written
 
 Changes = dict[str, Any]  # keys of a scene and their values
@@ -107,13 +108,14 @@ def product(
 
 
 def base_of(scene) -> str:
-    """TOML text of a scene that is to be varied: a text, changes of none (all keys by name), or a Scene."""
-    if isinstance(scene, str):
-        read_keys(scene)
-        return scene
+    """TOML text of a scene that is to be varied: a text, a file, changes of none (all keys by name), or a Scene."""
+    if isinstance(scene, Scene):
+        return scene.to_toml()
     if isinstance(scene, Mapping):
         return "".join(f"{key} = {written(_plain(value))}\n" for key, value in flatten(dict(scene)).items())
-    return scene.to_toml()
+    text = text_of(scene, "scene")
+    read_keys(text)
+    return text
 
 
 def overrides(changes: Mapping[str, Any]) -> tuple[str, ...]:
