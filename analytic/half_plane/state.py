@@ -18,8 +18,8 @@ class ContactState:
     P, Q: loads [stress x length]; x: nodes [length]; weight, weight_q: quadrature weights [length] with which pressure
     and traction sum up to the loads, the same up to the error of interpolation; pressure, traction [stress];
     slip: u_x - delta_x since the end of the normal stage [length], also where there is no contact; gap [length];
-    contact, stick: left and right edge [length], stick nan without friction;
-    stick_zones: all of them, shape (n, 2); dissipated_energy: frictional work since first contact [stress x length²];
+    contact, stick: left and right edge [length], stick that of all its zones, nan without friction;
+    stick_zones: each of them, shape (n, 2); dissipated_energy: frictional work since first contact [stress x length²];
     delta_x, delta_y: displacements of the indenter [length], for k <= 0 up to a constant times the loads;
     iterations: linear solves; strain: of the half-plane along x [1].
     """

@@ -157,7 +157,15 @@ def _longest_run(x, mask, gap=0.0):
     if ends.size == 0:
         return 0, 0
     starts, stops = ends[::2], ends[1::2]
-    apart = x[starts[1:]] - x[stops[:-1] - 1] > gap
-    starts, stops = starts[np.append(True, apart)], stops[np.append(apart, True)]
-    longest = np.argmax(x[stops - 1] - x[starts])
-    return starts[longest], stops[longest]
+    first, last = longest_zone(x[starts], x[stops - 1], gap)
+    return starts[first], stops[last]
+
+
+def longest_zone(left, right, gap: float) -> tuple[int, int]:
+    """First and last of the zones from ``left`` to ``right`` (n,) that make the longest; those at most ``gap`` apart
+    are one.
+    """
+    apart = left[1:] - right[:-1] > gap
+    first, last = np.flatnonzero(np.append(True, apart)), np.flatnonzero(np.append(apart, True))
+    longest = np.argmax(right[last] - left[first])
+    return int(first[longest]), int(last[longest])

@@ -173,8 +173,8 @@ def restore(saved: Saved, simulation: Simulation):
     sampler, solver, done = simulation.sampler, simulation.solver, simulation.schedule[: saved.increments]
     for step, row, changes in zip(done, saved.states, saved.changes, strict=True):
         surface = SurfaceState(sampler.x, sampler.weight, **{name: row[name].copy() for name in SURFACE})
-        numbers = int(row["iterations"]), float(row["residual"])
-        result = NewtonResult(True, *numbers, "", float(row["tolerance"]), changes)
+        iterations, residual, tolerance = int(row["iterations"]), float(row["residual"]), float(row["tolerance"])
+        result = NewtonResult(True, iterations, residual, "", tolerance, changes)
         outcome = Outcome(step, (result,), int(row["cuts"]), float(row["unsettled"]))
         simulation.history.append(outcome, surface, float(row["seconds"]))
     solver.skip(done)

@@ -9,7 +9,7 @@ from analytic import PressingWithFriction
 from analytic.half_plane.state import ContactState
 
 from ..fem.load import Load
-from ..fem.surface import BAND
+from ..fem.surface import BAND, longest_zone
 from ..loading.schedule import LoadStep
 from .expected_edges import half_plane_solver
 from .history import Entry
@@ -109,8 +109,8 @@ class MeshFree:
         if not len(state.stick_zones):
             return np.nan
         left, right = state.stick_zones.T
-        apart = left[1:] - right[:-1] > BAND * np.subtract(*state.contact[::-1])
-        return float(np.max(right[np.append(apart, True)] - left[np.append(True, apart)])) / 2
+        first, last = longest_zone(left, right, BAND * (state.contact[1] - state.contact[0]))
+        return float(right[last] - left[first]) / 2
 
     def dissipated_energy(self):
         """Of the last full cycle, where there is none since first contact: while P grows alone by the exact contact,
