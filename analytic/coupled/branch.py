@@ -6,22 +6,22 @@ import numpy as np
 from scipy.optimize import brentq
 
 from ..half_plane.linear import ContactNotConverged
-from .edges import ITERATIONS, EdgeSolver, edges_of
+from .edges import ARRIVAL, ITERATIONS, EdgeSolver, edges_of
 from .problem import NormalStage
 from .rule import smooth_rule
 
 FIRST = 0.02  # least load over the span of the branch, where there is a solution,
-FIRST_BORNE = 0.5  # and from which on there must be one,
-STRIDE, HALVINGS = 3.0, 2  # factor between loads on the way there, halvings of its logarithm where there is none,
+FIRST_BORNE = 0.5  # and from which on the energy needs one,
+STRIDE, HALVINGS = 3.0, 4  # factor between loads on the way there, halvings of its logarithm where there is none,
 LEAST_OVER_LIKE = 1.5  # and how much larger the least load is if the loop is ``like`` another
 POWER = 2.0  # of the variable in which the loads are spread, see ``Branch.variable``
 EXTRA, LATER = 4, 6  # number of loads in the first part more than the order is, and in each of the others
-MIDDLE = 0.3  # span at which the first of them is sought
 SHORTEST, CLOSER = 1e-3, 3  # part at the end of a branch over its span, and states on the way to where it begins
 SPARSE = 3  # so many loads are solved before it is known where a stick edge passes an earlier turn
 LEAST_WIDTH = 0.02  # of slip inside the contact at the turn, over the load, where a solution is still sought
 MOST_ITERATIONS = 12  # iterations at loads that need no solution
-CONDITIONS = 1e-5  # violation of the conditions of friction that is borne, in units of the problem
+CONDITIONS = 1e-5  # violation of the conditions of friction that is borne, in units of the problem,
+BACKWARDS = 0.01, 1e-8  # and of slip since the state before: over that in the right direction, and in any case
 
 
 class Branch:
@@ -38,7 +38,10 @@ class Branch:
         self._solver = EdgeSolver(problem, base, direction * problem.mu)
         self._guess = like.guessed if like else guess
         self.loads, self._known = np.empty(0), []
-        self.solve_at(self._spread(FIRST_BORNE * span, span, SPARSE))
+        for load in self._spread(FIRST_BORNE * span, span, SPARSE):
+            self._tried(load)
+        if not len(self.loads) or self.loads[-1] < span:
+            self._add(span, *self._solved(span))
         self._reach(min(LEAST_OVER_LIKE * like.first, FIRST_BORNE * span) if like else FIRST * span)
         self.first = self.loads[0]
 
@@ -49,7 +52,9 @@ class Branch:
 
     @cached_property
     def nodes(self):
-        """Loads in each of the ``parts`` that the energy needs; they are solved."""
+        """Loads in each of the ``parts`` that the energy needs; they are solved. Raises ContactNotConverged."""
+        if self.first > FIRST_BORNE * self.span * (1 + 1e-12):
+            raise ContactNotConverged(f"the energy is not known: just after the turn {ARRIVAL}")
         lows, count = [self.first, *self.parts[1:-1]], self.problem.order + EXTRA
         counts = [count, *[LATER] * (len(lows) - 1)]
         nodes = [self._spread(*part) for part in zip(lows, self.parts[1:], counts, strict=True)]
@@ -70,25 +75,22 @@ class Branch:
         return loads
 
     def solve_at(self, loads):
-        """Adds the states at ``loads``, one after the other from the middle up, and then down.
+        """Adds the states at ``loads``, which increase, one after the other from the largest down.
 
         Just after the turn points may come into contact in stick; loads without a solution there are left out.
         """
-        start = int(np.searchsorted(loads, MIDDLE * self.span)) % len(loads)
-        for load in (*loads[start:], *loads[:start][::-1]):
-            if np.any(np.abs(self.loads - load) < 1e-12 * self.span):
-                continue
-            if load > FIRST_BORNE * self.span or not len(self.loads):
-                self._add(load, *self._solved(load))
-            elif not self._tried(load):
+        for load in loads[::-1]:
+            if not self._tried(load):
                 break
 
     def _tried(self, load):
         """True if there is a solution at a load, which is added."""
+        if np.any(np.abs(self.loads - load) < 1e-12 * self.span):
+            return True
         if self._hopeless(load):
             return False
         try:
-            self._add(load, *self._solved(load, MOST_ITERATIONS))
+            self._add(load, *self._solved(load, ITERATIONS if load > FIRST_BORNE * self.span else MOST_ITERATIONS))
         except ContactNotConverged:
             return False
         return True
@@ -154,22 +156,48 @@ class Branch:
         """Number of linear systems solved so far."""
         return self._solver.solves
 
-    def check(self, state):
-        """Raises ContactNotConverged where a state does not fulfil the conditions that its edges do not ensure."""
+    def checked(self, Q):
+        """State at Q that also fulfils the conditions which its edges do not ensure. Raises ContactNotConverged."""
+        try:
+            state = self.state(Q)
+            self._check(state)
+        except ContactNotConverged as failure:
+            raise ContactNotConverged(f"Q = {Q:g} P: {failure}") from None
+        return state
+
+    def _check(self, state):
         x_l, x_r = state.contact
         c_l, c_r = state.stick
         if c_l < self.base.contact[0] or c_r > self.base.contact[1]:
-            raise ContactNotConverged(f"Q = {state.Q:g} P: points come into contact in stick")
+            raise ContactNotConverged(ARRIVAL)
         x, weight = smooth_rule(x_l, x_r, state.breaks)
         p, q = state.tractions(x)
         if (tension := weight @ np.maximum(-p, 0)) > CONDITIONS:
-            raise ContactNotConverged(f"Q = {state.Q:g} P: the pressure is negative, its integral {tension:.1e} P")
+            raise ContactNotConverged(f"the pressure is negative, its integral {tension:.1e} P")
         if (over := weight @ np.maximum(np.abs(q) - self.problem.mu * p, 0)) > CONDITIONS:
-            raise ContactNotConverged(f"Q = {state.Q:g} P: q exceeds its limit where it sticks, by {over:.1e} P in all")
-        for x, _, moved in self.moved(state):
-            touching = (x > x_l) & (x < x_r)
-            if (back := (moved[0] * self.direction)[touching].max()) > CONDITIONS:
-                raise ContactNotConverged(f"Q = {state.Q:g} P: a point slips backwards, by {back:.1e}")
+            raise ContactNotConverged(f"q exceeds its limit where it sticks, by {over:.1e} P in all")
+        back, forth = self._slipped(state)
+        share, least = BACKWARDS
+        if back > max(share * forth, least):
+            raise ContactNotConverged(f"a point slips backwards, by {back:.1e}")
+
+    def _slipped(self, state):
+        """Largest slip backwards, and in the direction of the branch, since the known state before.
+
+        Of points that touched in both: what comes into contact has moved before. A longer way would hide that points
+        still slip backwards, as they do where they came in stick and have not all slipped yet.
+        """
+        i = int(np.searchsorted(self.loads, abs(state.Q - self.base.Q) * (1 - 1e-12)))
+        before = self._known[i - 1][1] if i else self.base
+        (left, right), back, forth = state.contact, 0.0, 0.0
+        left, right = max(left, before.contact[0]), min(right, before.contact[1])
+        for low, high in ((left, state.stick[0]), (state.stick[1], right)):
+            if low < high:
+                x, _ = smooth_rule(low, high, [*before.breaks, *self.base.contact])
+                moved = state.displacements(self.problem, x)[0] - before.displacements(self.problem, x)[0]
+                back = max(back, (moved * self.direction).max())
+                forth = max(forth, -(moved * self.direction).min())
+        return back, forth
 
     def moved(self, state):
         """Beside the stick zone of a state, left and right: points x, their weights, and u_x - delta_x and

@@ -4,7 +4,7 @@ import numpy as np
 
 from ..half_plane.linear import ContactNotConverged
 from .linear import solve
-from .stick import layout
+from .stick import FEATURE, layout
 
 LONGEST_STEP = 0.3  # change of a variable in one step
 ITERATIONS = 30
@@ -18,6 +18,10 @@ SHORTER = 0.1  # change of the widths of slip in a guess that leaves no stick
 LEAST_STICK = 1e-4  # share of the contact that has to stick
 SETTLED = 1e-8  # largest amplitude (see ``linear.Solution``) at which the edges rest,
 BORNE = 1e-7  # and that borne where it falls no further: rounding, where slip has hardly begun
+JUMP = 1e-6  # amplitude borne at a place that is known to FEATURE: there the basis changes, and the amplitude with it
+
+REACHED = 0.99  # share of the way to a place with an amplitude of the other sign, from which a step passes it
+STICK = ((1, -1), (2, 1))  # edges of stick, and which way is outwards
 
 ARRIVAL = "points come into contact in stick"  # and keep the displacement with which they came
 ARRIVED = 0.02  # distance of stick from the edge of the contact at the turn over the contact, where the search stopped
@@ -64,20 +68,30 @@ class EdgeSolver:
             return solve(self.problem, self.base, self.friction, edges, self._layout(edges), Q)
 
         now, before, longest, cuts, margin, stalls = solution(y), np.inf, LONGEST_STEP, 0, LEAP_MARGIN, 0
+        bracket = Bracket()
         for _ in range(iterations):
             size = np.abs(now.amplitudes).max()
             # after one step at least: a guess by another order of the basis would be returned as it is
             if (size < SETTLED and before < np.inf) or (size > before / 2 and size < BORNE):
+                return now.state, y
+            if bracket.closed(self._edges(y, load), now.amplitudes):
                 return now.state, y
             stalls += size > SLOW * before
             if stalls > STALLS:
                 break
             step = self._step(y, now, load)
             step *= min(1.0, longest / np.abs(step).max())
-            if leaps := self._leaps(y, now, step, load, margin):
-                step[list(leaps)], margin = list(leaps.values()), margin / 10
-                y, before = self._valid(y + np.clip(step, -LONGEST_STEP, LONGEST_STEP), -step / 8, load), np.inf
-                now = solution(y)
+            leaps = self._leaps(y, now, step, load, margin)
+            step[list(leaps)] = list(leaps.values())
+            edges = self._edges(y, load)
+            inside = bracket.steps(edges, self._edges(y + step, load), now.amplitudes)
+            step[list(inside)] = list(inside.values())
+            if leaps or inside:
+                taken = self._valid(y + np.clip(step, -LONGEST_STEP, LONGEST_STEP), -step / 8, load)
+                margin, before = margin / 10 if leaps else margin, np.inf
+                new = solution(taken)
+                bracket.note(edges, now.amplitudes, new.amplitudes)
+                y, now = taken, new
                 continue
             aim, taken = y + step, self._valid(y + step, -step / 8, load)
             cuts = 0 if np.array_equal(taken, aim) else cuts + 1
@@ -87,6 +101,7 @@ class EdgeSolver:
             if not np.abs(new.amplitudes).max() < max(GROWTH * size, FREE):  # too long a step
                 longest, before = np.abs(taken - y).max() / 4, np.inf
                 continue
+            bracket.note(edges, now.amplitudes, new.amplitudes)
             y, now, before = taken, new, size
         x_l, c_l, c_r, x_r = self._edges(y, load)
         if min(c_l - self.base.contact[0], self.base.contact[1] - c_r) < ARRIVED * (x_r - x_l):
@@ -109,7 +124,7 @@ class EdgeSolver:
         """
         edges, leaps = self._edges(y, load), {}
         after = self._edges(y + step, load)
-        for e, outwards in ((1, -1), (2, 1)):
+        for e, outwards in STICK:
             way = outwards * np.sign(now.amplitudes[e])
             beyond = way * (self.base.breaks - edges[e])
             if now.rates[e] > FLAT or not (beyond > 0).any():
@@ -143,3 +158,39 @@ class EdgeSolver:
         outside = c_l <= self.base.contact[0] or c_r >= self.base.contact[1]
         reason = ARRIVAL if outside else "no stick is left between the zones of slip"
         raise ContactNotConverged(reason)
+
+
+class Bracket:
+    """Last places of the edges of stick at which their amplitudes had the other sign, for steps between them.
+
+    Where an edge comes to a place where stick turned earlier, the amplitude has a kink: Newton's method goes to and fro
+    between two places there.
+    """
+
+    def __init__(self):
+        self._passed: dict[int, tuple[float, float]] = {}
+
+    def note(self, edges, before, after):
+        """Amplitudes at ``edges`` and after a step from there. That of a place which stays is halved (Illinois method)."""
+        for e, _ in STICK:
+            if before[e] * after[e] < 0:
+                self._passed[e] = edges[e], before[e]
+            elif e in self._passed:
+                place, amplitude = self._passed[e]
+                self._passed[e] = place, amplitude / 2
+
+    def steps(self, edges, aims, amplitudes):
+        """Changes of variables by false position, of edges that would go to the place in question or past it."""
+        found = {}
+        for e, outwards in STICK:
+            place, amplitude = self._passed.get(e, (edges[e], np.nan))
+            if place != edges[e] and (aims[e] - edges[e]) / (place - edges[e]) > REACHED:
+                share = amplitudes[e] / (amplitudes[e] - amplitude)
+                width = outwards * (edges[e + outwards] - edges[e])
+                found[e] = np.log1p(-outwards * share * (place - edges[e]) / width)
+        return found
+
+    def closed(self, edges, amplitudes):
+        """True where an edge is known to FEATURE, within which singular points are one, and all else has settled."""
+        close = [e for e, (place, _) in self._passed.items() if abs(place - edges[e]) < FEATURE * (edges[2] - edges[1])]
+        return bool(close) and np.abs(np.delete(amplitudes, close)).max() < SETTLED and np.abs(amplitudes).max() < JUMP

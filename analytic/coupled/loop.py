@@ -34,10 +34,18 @@ class CoupledLoop:
     order: int = ORDER
 
     def run(self, loads, like: Sequence[CoupledState] = ()) -> list[CoupledState]:
+        """State after every load (P, Q) of ``loads``; see ``where_known``, of which none may be missing.
+
+        Raises ValueError for P <= 0, |Q| >= mu P or a first Q != 0; ContactNotConverged, with the reason.
+        """
+        return known(self.where_known(loads, like))
+
+    def where_known(self, loads, like: Sequence[CoupledState] = ()) -> list["CoupledState | ContactNotConverged"]:
         """State after every load (P, Q) of ``loads``; the first ones have Q = 0, the others the same P.
 
         like: states at the same loads of a basis of another order, from which the edges are guessed; the least load
-        that is solved for the energy is larger then, so that the difference is about the error.
+        that is solved for the energy is larger then, so that the difference is about the error. A load between turns
+        without a state has the reason in its place: points may come into contact in stick just after a turn.
 
         Raises ValueError for P <= 0, |Q| >= mu P or a first Q != 0; ContactNotConverged, with the reason.
         """
@@ -66,20 +74,22 @@ class CoupledLoop:
         problem = normal.problem(self.profile, self.mu, self.coupling, self.order)
         units, base, turn = Units.of(normal), normal, None
         branches: list[Branch] = []
-        states: list[CoupledState] = []
+        states: list[CoupledState | ContactNotConverged] = []
         for number, (direction, Qs) in enumerate(branches_of(loads)):
             span = abs(Qs[-1] - base.Q)
             try:
                 branch = Branch(problem, base, direction, span, self._guess(branches), alike[number] if alike else None)
                 branch.solve_at(np.unique(np.abs(np.subtract(Qs, base.Q))))
-                reached = [branch.state(Q) for Q in Qs]
             except ContactNotConverged as failure:
                 raise ContactNotConverged(f"P = {self.P:g}, Q up to {Qs[-1] * self.P:g}: {failure}") from None
             friction = FrictionalWork(branch)
-            for state in reached:
-                branch.check(state)
-                states.append(CoupledState(units, problem, normal, state, branch, friction, turn))
-            base, turn = reached[-1], states[-1]
+            for Q in Qs:
+                try:
+                    reached = branch.checked(Q)
+                    states.append(CoupledState(units, problem, normal, reached, branch, friction, turn))
+                except ContactNotConverged as failure:
+                    states.append(failure)
+            (turn,), base = known(states[-1:]), reached
             branches.append(branch)
         return states
 
@@ -90,6 +100,14 @@ class CoupledLoop:
         if len(branches) > 2:
             return branches[-2].guessed
         return (guess.mirrored if len(branches) == 2 else guess.turned)(branches[-1])
+
+
+def known(states: Sequence[CoupledState | ContactNotConverged]) -> list[CoupledState]:
+    """The states, if none is missing; else ContactNotConverged, the first reason."""
+    for state in states:
+        if isinstance(state, ContactNotConverged):
+            raise state
+    return list(states)
 
 
 def branches_of(loads):

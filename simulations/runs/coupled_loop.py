@@ -11,6 +11,7 @@ import numpy as np
 
 from analytic import CoupledLoop, PowerProfile
 from analytic.coupled.loop import ORDER
+from analytic.coupled.state import CoupledState
 from analytic.half_plane.linear import ContactNotConverged
 
 from ..loading.schedule import LoadStep
@@ -45,8 +46,8 @@ def loop_of(scaled: Scaled, mu: float, coupling: bool = True, order: int = ORDER
 
 @lru_cache(maxsize=1)
 def states_of(loop: CoupledLoop, loads: tuple[tuple[float, float], ...]) -> list:
-    """States at the loads (P, Q), once for mesh and reference of one cycle. Raises what ``CoupledLoop.run`` does."""
-    return loop.run(loads)
+    """``CoupledLoop.where_known`` at the loads (P, Q), once for mesh and reference of one cycle."""
+    return loop.where_known(loads)
 
 
 def grades(scene: Scene, effects: Effects) -> bool:
@@ -59,17 +60,18 @@ def grades(scene: Scene, effects: Effects) -> bool:
 
 
 def loop_edges(scene: Scene, scaled: Scaled, mu: float, schedule: Sequence[LoadStep]) -> ExpectedEdges | None:
-    """Edges of contact and stick after every load step of the first cycle; None where there is no solution.
+    """Edges of contact and stick after the load steps of the first cycle that have a state; None where a turn has none.
 
     A stop of the contact costs q = mu p what it costs p; one of stick costs q alone.
     """
     try:
-        states = states_of(loop_of(scaled, mu), tuple((step.P, step.Q) for step in schedule if step.cycle <= 1))
+        found = states_of(loop_of(scaled, mu), tuple((step.P, step.Q) for step in schedule if step.cycle <= 1))
     except (ContactNotConverged, ValueError, ArithmeticError):
         return None
+    states = [state for state in found if isinstance(state, CoupledState)]
     Q_A = max(state.Q for state in states)
     ends: list[float] = []
-    found = [(abs(edge), 1.0) for edge in states[0].contact if scene.k < STEEP]  # of pressing: q is 0
+    stops = [(abs(edge), 1.0) for edge in states[0].contact if scene.k < STEEP]  # of pressing: q is 0
     kink = 1.0
     for before, state in zip(states, states[1:]):
         kink = TURNED if state.Q < before.Q else kink
@@ -78,8 +80,8 @@ def loop_edges(scene: Scene, scaled: Scaled, mu: float, schedule: Sequence[LoadS
         if np.isclose(abs(state.Q), Q_A) or (scene.mesh.edges == "states" and _is_quarter(state.Q / Q_A)):
             ends = [*edges, *ends]  # the last first
         else:
-            found += [(abs(edge), float(part)) for edge, part in zip(edges, share / [1.0, 1.0, kink, kink])]
-    return ExpectedEdges(several(ends), stops=stops_at(found, MERGED * scene.cell_sizes["edge_facet"]), exact=True)
+            stops += [(abs(edge), float(part)) for edge, part in zip(edges, share / [1.0, 1.0, kink, kink])]
+    return ExpectedEdges(several(ends), stops=stops_at(stops, MERGED * scene.cell_sizes["edge_facet"]), exact=True)
 
 
 def _is_quarter(share):

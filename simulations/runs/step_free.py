@@ -1,6 +1,6 @@
 """Reference of coupled loops: states of the half-plane found directly from the last turn of Q, without load steps."""
 
-from analytic.coupled.loop import ORDER
+from analytic.coupled.loop import ORDER, known
 from analytic.half_plane.linear import ContactNotConverged
 
 from .coupled_loop import loop_of, states_of
@@ -26,7 +26,7 @@ class StepFree:
         coupled = "coupling" in simulation.effects
         loop, loads = loop_of(scaled, simulation.mu, coupled, order), tuple((s.P, s.Q) for s in self._schedule)
         try:
-            self._states = loop.run(loads, like) if like else states_of(loop, loads)
+            self._states = loop.run(loads, like) if like else known(states_of(loop, loads))
             self._energy = last_cycle(self._states, self._schedule)
         except (ContactNotConverged, ValueError, ArithmeticError) as failure:
             raise NoReference(str(failure)) from None

@@ -202,9 +202,22 @@ def test_compliance_of_full_stick(k, nu):
 
 
 def test_points_that_come_into_contact_in_stick_are_said():
-    """Far from the Holl ratio, under strong friction, the contact moves faster than slip spreads."""
-    with pytest.raises(ContactNotConverged, match="into contact in stick"):
-        CoupledLoop(solid_of(0.0, 0.0), PROFILE, P, 1.0, order=8).run(loads(P, 0.6))
+    """Far from the Holl ratio, under strong friction, the contact moves faster than slip spreads: loads have no state."""
+    solver, path = CoupledLoop(solid_of(0.0, 0.0), PROFILE, P, 1.0, order=8), loads(P, 0.1, 0.6, 0.8, 0.5, 0, -0.8)
+    pressed, early, stuck, turn, back, *later = solver.where_known(path)
+    assert "Q = 0.1 P: points come into contact in stick" in str(early) and "contact in stick" in str(back)
+    assert "Q = 0.6 P: a point slips backwards" in str(stuck)  # that came in stick: not all have slipped yet
+    assert [state.Q / P for state in (pressed, turn, *later)] == pytest.approx([0, 0.8, 0, -0.8])
+    with pytest.raises(ContactNotConverged, match="Q = 0.1 P"):
+        solver.run(path)
+
+
+@pytest.mark.parametrize("k, nu, mu, share", [(0.627, 0.493, 0.0211, 0.323), (0.369, 0.06, 0.0317, 0.214)])
+def test_loops_of_little_friction_close(k, nu, mu, share):
+    """Back at Q_A the edges of stick come to where one turned at -Q_A: amplitudes have a kink or a small jump there."""
+    _, first, _, turned, _, last = loop(k, nu, mu, share)
+    assert last.contact == pytest.approx(first.contact, abs=1e-6)
+    assert np.abs(last.stick) == pytest.approx([np.abs(turned.stick).max()] * 2, abs=5e-6)
 
 
 def test_paths_that_are_no_loops_are_refused():
