@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..fem.load import Load
+from ..fem.load import NO_LOAD, Load
 
 
 @dataclass(frozen=True)
@@ -101,6 +101,13 @@ def visiting(start: Load, points: list[Load], steps: int) -> list[LoadStep]:
         schedule[-1] = replace(schedule[-1], state=str(number) if branch == "path" else "")
         start = point
     return schedule
+
+
+def pressed_first(schedule: Sequence[LoadStep]) -> int:
+    """How many load steps, from the first, do nothing but press further."""
+    loads = [NO_LOAD, *(step.load for step in schedule)]
+    others = (n for n, (a, b) in enumerate(zip(loads, loads[1:])) if b.P <= a.P or any(b[1:]))
+    return next(others, len(schedule))
 
 
 def load_parameter(schedule: Sequence[LoadStep]) -> np.ndarray:

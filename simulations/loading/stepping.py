@@ -17,7 +17,7 @@ from ..solvers.system import System
 from . import present_state
 from .anchors import EnteringPoints
 from .fallbacks import FALLBACKS, Options
-from .schedule import LoadStep
+from .schedule import LoadStep, pressed_first
 
 Stuck = Callable[[float, np.ndarray], np.ndarray]
 
@@ -127,7 +127,7 @@ class LoadStepping:
         before = schedule[done - 1].load if done else NO_LOAD
         if not done:
             self._newton = self._start(self.problem)
-        pressed = _pressed_first(schedule)
+        pressed = pressed_first(schedule)
         for number, step in enumerate(schedule[done:], done):
             self._results, self._unsettled, cuts = [], 0.0, 0
             self._is_pressed_only = number < pressed
@@ -302,10 +302,3 @@ class LoadStepping:
             self.problem.hold_pressure(self.normal)
             self.body.state.x.array[:] += tangential
         return tried
-
-
-def _pressed_first(schedule: list[LoadStep]) -> int:
-    """How many load steps, from the first, do nothing but press further."""
-    loads = [NO_LOAD, *(step.load for step in schedule)]
-    others = (n for n, (a, b) in enumerate(zip(loads, loads[1:])) if b.P <= a.P or any(b[1:]))
-    return next(others, len(schedule))

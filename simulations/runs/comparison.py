@@ -66,8 +66,10 @@ def _deviations(entry, computed: Callable[[str], np.ndarray], reference) -> dict
     x, weight = entry.surface.x, entry.surface.weight
     left, right = reference.contact(entry)
     weights = {"pressure": weight}
-    if entry.step.branch != "normal":  # else there is neither
-        weights |= {"traction": weight, "slip": weight * ((x >= left) & (x <= right))}
+    if has_friction(entry):
+        weights["traction"] = weight
+    if entry.step.branch != "normal":  # there is no slip before
+        weights["slip"] = weight * ((x >= left) & (x <= right))
     exact = {name: getattr(reference, name)(entry, x) for name in weights}
     return {f"{name}_l2": relative_l2(weights[name], computed(name), exact[name]) for name in weights}
 
@@ -80,13 +82,18 @@ def compare(history: History, reference: Reference) -> dict[str, float]:
     last = history.entries[-1]
     left, right = reference.contact(last)
     deviation = compare_state(last, reference) | {"a": last.a / ((right - left) / 2) - 1}
-    if last.step.branch != "normal":
+    if has_friction(last):
         deviation["c"] = last.c / reference.stick_half_width(last) - 1
         energy = reference.dissipated_energy()
         if energy:
             error = history.dissipated_energy / energy - 1
             deviation["dissipated_energy"] = error + float(np.copysign(_own_error_of_energy(reference), error))
     return deviation
+
+
+def has_friction(entry: Entry) -> bool:
+    """True where tractions act: from tangential loading on, or from the first contact."""
+    return entry.step.branch != "normal" or bool(np.any(entry.surface.traction))
 
 
 def own_errors(history: History, reference: Reference) -> dict[str, float]:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..fem.surface import SurfaceState, fitted_contact_edges, fitted_stick_edges
-from ..loading.schedule import LoadStep
+from ..loading.schedule import LoadStep, pressed_first
 from ..loading.stepping import Outcome
 from .frictional_work import Moment, frictional_work, work_of_pressing
 
@@ -158,7 +158,13 @@ class History:
 
 
 def all_states(history: History) -> list[Entry]:
-    """Entries of the last cycle; where there is none those with a tangential load; without friction all."""
+    """Entries of the last cycle; where there is none those with a tangential load; where there is none either all since
+    P is first reached, and without friction all.
+    """
     if history.has_cycle:
         return history.last_cycle
-    return [e for e in history.entries if e.step.branch != "normal" or not history.friction] or history.entries
+    entries = history.entries
+    if not history.friction:
+        return entries
+    pressed = pressed_first([entry.step for entry in entries])
+    return [entry for entry in entries if entry.step.branch != "normal"] or entries[pressed - 1 :]

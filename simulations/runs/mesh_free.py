@@ -10,7 +10,7 @@ from analytic.half_plane.state import ContactState
 
 from ..fem.load import Load
 from ..fem.surface import BAND, longest_zone
-from ..loading.schedule import LoadStep
+from ..loading.schedule import LoadStep, pressed_first
 from .expected_edges import half_plane_solver
 from .history import Entry
 from .limits import coating_keys
@@ -122,7 +122,7 @@ class MeshFree:
         found = last_cycle(self._states, self._schedule)
         if pressing is None or self._schedule[-1].cycle:
             return found
-        pressed = sum(step.branch == "normal" for step in self._schedule) - 1
+        pressed = pressed_first(self._schedule) - 1
         exact = replace(pressing, P=self._schedule[pressed].load.P).dissipated_energy
         return found + exact - self._states[pressed].dissipated_energy
 

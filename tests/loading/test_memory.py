@@ -13,7 +13,8 @@ from simulations.api import make_scene
 from simulations.loading import anchors
 from simulations.loading.stepping import LoadStepping
 from simulations.runs import checks
-from simulations.runs.comparison import compare_state, own_errors, relative_l2
+from simulations.runs.comparison import compare, compare_state, own_errors, relative_l2
+from simulations.runs.history import all_states
 from simulations.runs.mesh_free import MeshFree
 from simulations.runs.reference import describe, of_same_physics
 from simulations.runs.simulation import Simulation
@@ -166,6 +167,20 @@ def test_pressing_with_friction_where_points_in_stick_are_not_known():
     exact = PressingWithFriction(simulation.scaled.solid, simulation.scaled.indenter.analytic(), 1.0, 1.0)
     assert relative_l2(pressed.weight, pressed.pressure, exact.pressure(pressed.x)) < 1e-2
     assert relative_l2(pressed.weight, pressed.traction, exact.traction(pressed.x)) < 7e-2
+
+
+def test_pressed_with_friction_and_relieved_at_no_tangential_load():
+    """Tractions, stick and energy are compared though Q stays 0; energy is known exactly only while P grows."""
+    relieved = LOOP | {"solid.nu": 0.0, "load.points": [[1e6, 0.0], [3e5, 0.0]]}
+    for key in ("load.P", "load.amplitude"):
+        del relieved[key]
+    simulation = run(relieved, 4, **{"effects.friction_in_normal_stage": True, "mesh.edge_facet": 0.01})
+    reference = MeshFree(simulation, nodes=(120,), finer=4)
+    pressed = replace(simulation.pressing_with_friction, P=1.0).dissipated_energy
+    assert reference.dissipated_energy() > 1.1 * pressed
+    errors = compare(simulation.history, reference)
+    assert errors["traction_l2"] < 0.05 and abs(errors["c"]) < 0.05 and abs(errors["dissipated_energy"]) < 0.03
+    assert [entry.step.P for entry in all_states(simulation.history)] == pytest.approx([1, 0.825, 0.65, 0.475, 0.3])
 
 
 FEW = {
