@@ -171,7 +171,7 @@ class Bracket:
         self._passed: dict[int, tuple[float, float]] = {}
 
     def note(self, edges, before, after):
-        """Amplitudes at ``edges`` and after a step from there. That of a place which stays is halved (Illinois method)."""
+        """Amplitudes at ``edges`` and after a step from there. That of a place which stays is halved (Illinois)."""
         for e, _ in STICK:
             if before[e] * after[e] < 0:
                 self._passed[e] = edges[e], before[e]

@@ -104,10 +104,12 @@ class CoupledLoop:
 
 def known(states: Sequence[CoupledState | ContactNotConverged]) -> list[CoupledState]:
     """The states, if none is missing; else ContactNotConverged, the first reason."""
+    found = []
     for state in states:
         if isinstance(state, ContactNotConverged):
             raise state
-    return list(states)
+        found.append(state)
+    return found
 
 
 def branches_of(loads):

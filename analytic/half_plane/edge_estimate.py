@@ -1,6 +1,6 @@
 """Quick estimate, with coupling, of where contact and stick will end during fretting: a mesh can be graded to it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -30,24 +30,22 @@ class EdgeEstimate:
     stick_states: np.ndarray
 
 
-def contact_edges(
-    solid, profile, P, mu, Q_A, coupling=True, friction_in_normal_stage=False, nodes=80, steps=2
-) -> EdgeEstimate:
-    """Edges of fretting under P between ±Q_A [stress x length], from one coarse cycle of HalfPlaneContact.
+def contact_edges(solver: HalfPlaneContact, P: float, Q_A: float, steps: int = 2) -> EdgeEstimate:
+    """Edges of fretting under P between ±Q_A [stress x length], from one coarse cycle of ``solver``.
 
-    solid: GradedHalfPlane or SurfaceKernel. steps: increments a quarter cycle. Against 200 nodes and 4 steps, for
-    -0.5 <= k <= 0.7 and mu up to 0.6, contact is met to 0.7 % and stick to 0.2 % of the contact's half-width. Should
-    the coarse cycle fail, more nodes are tried once; then ContactNotConverged. ValueError as by HalfPlaneContact.
+    steps: increments a quarter cycle. With 80 nodes, against 200 and 4 steps, for -0.5 <= k <= 0.7 and mu up to 0.6,
+    contact is met to 0.7 % and stick to 0.2 % of the contact's half-width. Should the cycle fail, twice as many nodes
+    are tried; then ContactNotConverged. ValueError as by HalfPlaneContact.
     """
-    pressing = PRESSING if friction_in_normal_stage else 1
+    pressing = PRESSING if solver.friction_in_normal_stage else 1
     share = np.arange(1, steps + 1) / steps
     branch = np.linspace(1, -1, 2 * steps + 1)[1:]
     loads = [(P * (i + 1) / pressing, 0.0) for i in range(pressing)]
     loads += [(P, Q_A * s) for s in (*share, *branch, *-branch)]
     try:
-        states = HalfPlaneContact(solid, profile, mu, coupling, friction_in_normal_stage, nodes).run(loads)
+        states = solver.run(loads)
     except ContactNotConverged:
-        states = HalfPlaneContact(solid, profile, mu, coupling, friction_in_normal_stage, 2 * nodes).run(loads)
+        states = replace(solver, nodes=2 * solver.nodes).run(loads)
     cycle = states[-4 * steps - 1 :]
     ends = cycle[0], cycle[2 * steps], cycle[-1]
     contact = np.array([state.contact for state in cycle])

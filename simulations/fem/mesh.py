@@ -29,7 +29,7 @@ class Grading:
     (from, to, facet length) over which such an edge moves, or places (x, x, facet length) where it stops;
     facet: largest facet under the cylinder; growth, layer_growth: ratio of neighbouring columns, layers;
     first_layer: height of the surface cells; extent: half-width and depth of the domain; edge_at: where in its facet
-    an edge or a stop lies, from 0 at the inner end to 1; -1: wherever it falls.
+    an edge or a stop lies, from 0 at the inner end to 1; -1: wherever it falls; unknown: why edges were not found.
     """
 
     edges: tuple[float, ...]
@@ -41,6 +41,7 @@ class Grading:
     extent: float = 20.0
     sweeps: tuple[tuple[float, float, float], ...] = ()
     edge_at: float = -1.0
+    unknown: str = ""
 
     @property
     def strip(self) -> float:

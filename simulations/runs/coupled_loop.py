@@ -30,9 +30,9 @@ MERGED = 0.5  # smallest facets between edges, below which both have one place
 
 def serves(scene: Scene, effects: Effects) -> bool:
     """True for coupling on a power law under an even power profile, pressed without friction, without bulk strain, and
-    then at constant P.
+    then at constant P; no other effect, such as elastic slip.
     """
-    others = "friction in normal stage" in effects or "bulk strain" in effects
+    others = "friction in normal stage" in effects or "bulk strain" in effects or effects.without_closed_form
     if "coupling" not in effects or not scene.is_power_law or not LOWEST <= scene.k <= HIGHEST or others:
         return False
     profile = scene.shape.analytic()

@@ -50,7 +50,8 @@ class ExpectedEdges:
     What is at x is at -x too. first: half-width of contact after the first load step, if friction acts in it; stops:
     where an edge of stick or contact is after a load step, and the size of q there (Stop); exact: none is an estimate;
     fineness: ``facet`` over the facets on the way of the edges of stick, if more than 1; early: about where it stops
-    first, where these are not known; pressed: half-widths of contact after load steps that press with friction, exact.
+    first, where these are not known; pressed: half-widths of contact after load steps that press with friction, exact;
+    unknown: why none was found.
     """
 
     edges: tuple[float, ...]
@@ -62,6 +63,7 @@ class ExpectedEdges:
     fineness: float = 1.0
     early: float | None = None
     pressed: tuple[float, ...] = ()
+    unknown: str = ""
 
     def sweeps(self, k: float, facet: float, edge_facet: float) -> tuple[tuple[float, float, float], ...]:
         """Intervals (from, to, facet length) over which edges move, on both sides.
@@ -112,9 +114,9 @@ def expected_edges(
 
     loads: of the schedule, the first with Q = 0.
     """
-    if scene.contact_has_closed_form:
+    if effects.has_closed_form:
         contact = scaled.contact
-        assert contact is not None  # contact_has_closed_form
+        assert contact is not None  # has_closed_form
         a = contact.a
         if loop is None and not scene.friction:
             return ExpectedEdges((a,), exact=True)
@@ -127,8 +129,8 @@ def expected_edges(
         return ExpectedEdges((loop.c, a, *between), stops=_stops(states), exact=True)
     try:
         return _rough_edges(scene, scaled, effects, loads)
-    except (RuntimeError, ValueError):  # no reason to stop: the mesh is only less well graded
-        return ExpectedEdges((1.0,))
+    except (RuntimeError, ValueError) as reason:  # none to stop: the mesh is only less well graded
+        return ExpectedEdges((1.0,), unknown=str(reason))
 
 
 def _stops(states) -> tuple[Stop, ...]:
@@ -165,7 +167,7 @@ def _rough_edges(scene, scaled, effects, loads):
     if scene.is_loop:
         Q_A = scene.load.amplitude * solver.mu
         first = solver.friction_in_normal_stage
-        found = contact_edges(solver.kernel, solver.profile, 1.0, solver.mu, Q_A, solver.coupling, first, NODES)
+        found = contact_edges(solver, 1.0, Q_A)
         # the first loading's edges of stick lie inside the later ones, where nothing smooths what it left
         ends, way = [*found.contact, *found.stick, *found.stick_range.ravel()], np.abs(found.contact_range)
         if scene.mesh.edges == "states":

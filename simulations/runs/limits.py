@@ -129,11 +129,13 @@ def check_resolution(scene: Scene, cells: Grading, loop: FrettingLoop | None):
 def warnings_of(scene: Scene, cells: Grading, loop: FrettingLoop | None, scaled: Scaled) -> list[str]:
     """What theory or mesh show badly though the run is possible, in words.
 
-    It may be a steep indenter, one that falls again, a long elastic slip or a narrow stick zone. The last spoils
-    no more than c: p, q and energy do not feel it.
+    It may be a steep indenter, one that falls again, edges that were not found, a long elastic slip or a narrow stick
+    zone. The last spoils no more than c: p, q and energy do not feel it.
     """
     found, facet = [steepness_warning(scene.half_width, scene.indenter)], min(cells.edge_facet, cells.facet)
     found.append(_touches_again(scene, cells, scaled))
+    if cells.unknown:
+        found.append(f"the mesh is fine at x = a and -a only, as the edges were not found before: {cells.unknown}")
     if loop is not None and loop.c < NARROWEST_STICK * facet:
         found.append(
             f"mesh.edge_facet = {cells.edge_facet:g} is too coarse for c/a: the stick half-width is {loop.c:.2g} a at "

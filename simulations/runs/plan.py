@@ -88,7 +88,7 @@ class Plan:
             sizes.setdefault("edge_at", vanishing_place(scene.mesh.degree, scene.k))
         edges = {*found.edges, *(-e for e in found.edges)}
         sweeps = found.sweeps(scene.k, sizes["facet"], sizes["edge_facet"])
-        return Grading(edges=tuple(sorted(edges)), sweeps=sweeps, **sizes)
+        return Grading(edges=tuple(sorted(edges)), sweeps=sweeps, unknown=found.unknown, **sizes)
 
     def _edges(self) -> ExpectedEdges:
         """Where contact and stick zone are expected to end."""

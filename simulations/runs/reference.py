@@ -43,7 +43,7 @@ def expected_seconds(simulation: Simulation) -> float:
     if kind == "none" or (simulation.effects.has_closed_form and kind != "half-plane"):
         return 0.0
     seconds = simulation.watch.seconds.get("edges", 0.0)
-    if grades(simulation.scene, simulation.effects) and not simulation.effects.without_closed_form:
+    if grades(simulation.scene, simulation.effects):
         return seconds  # the edges are the reference's; its error takes as long again
     shares = len(simulation.schedule) / (ROUGH_INCREMENTS if simulation.scene.is_loop else len(simulation.schedule))
     return ROUGH_TIMES * shares * steps_for_one(simulation) / FINER * seconds
@@ -62,7 +62,7 @@ def of_same_physics(simulation: Simulation, tell: Tell | None = None) -> Referen
         return exact
     if kind == "closed form":
         raise NoReference("there is no closed form of this problem, and reference.kind = closed form")
-    if serves(simulation.scene, simulation.effects) and not simulation.effects.without_closed_form:
+    if serves(simulation.scene, simulation.effects):
         try:
             return StepFree(simulation, estimated=True)
         except NoReference:  # the other solver may

@@ -43,8 +43,8 @@ def rough_edges(scene: Scene, scaled: Scaled, effects: Effects, loads: list[Load
             states.append(state)
             if abs(state.Q) == Q_A:  # at once: what follows takes the longer the less sticks
                 _check_stick(scene, state)
-    except (RuntimeError, ValueError):  # no reason to stop: the mesh is only less well graded
-        return ExpectedEdges((1.0,))
+    except (RuntimeError, ValueError) as reason:  # none to stop: the mesh is only less well graded
+        return ExpectedEdges((1.0,), unknown=str(reason))
     turns = [state for state in states[::-1] if abs(state.Q) == Q_A]
     shown = states[::-1] if scene.load.bulk_phase or scene.mesh.edges == "states" else turns
     contact = np.abs([state.contact for state in states if state.Q])

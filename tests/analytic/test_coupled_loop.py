@@ -202,7 +202,7 @@ def test_compliance_of_full_stick(k, nu):
 
 
 def test_points_that_come_into_contact_in_stick_are_said():
-    """Far from the Holl ratio, under strong friction, the contact moves faster than slip spreads: loads have no state."""
+    """Far from the Holl ratio, under strong friction, the contact moves faster than slip spreads: no state there."""
     solver, path = CoupledLoop(solid_of(0.0, 0.0), PROFILE, P, 1.0, order=8), loads(P, 0.1, 0.6, 0.8, 0.5, 0, -0.8)
     pressed, early, stuck, turn, back, *later = solver.where_known(path)
     assert "Q = 0.1 P: points come into contact in stick" in str(early) and "contact in stick" in str(back)

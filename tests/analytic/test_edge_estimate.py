@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from analytic import CylinderContact, GradedHalfPlane, PowerProfile, contact_edges
+from analytic import CylinderContact, GradedHalfPlane, HalfPlaneContact, PowerProfile, contact_edges
 
 PROFILE, MU = PowerProfile(0.5, 2.0), 0.3
 
@@ -12,7 +12,7 @@ PROFILE, MU = PowerProfile(0.5, 2.0), 0.3
 def test_without_coupling(k):
     solid = GradedHalfPlane(1.0, 0.3, k, 1.0)
     exact = CylinderContact(solid, 1.0, 1.0).fretting(MU, 0.9 * MU)
-    edges = contact_edges(solid, PROFILE, 1.0, MU, 0.9 * MU, coupling=False)
+    edges = contact_edges(HalfPlaneContact(solid, PROFILE, MU, coupling=False, nodes=80), 1.0, 0.9 * MU)
     a, c = exact.contact.a, exact.c
     assert edges.contact == pytest.approx((-a, a), rel=7e-3)
     assert edges.contact_range == pytest.approx(np.array([[-a, -a], [a, a]]), rel=7e-3)
@@ -24,8 +24,8 @@ def test_without_coupling(k):
 def test_with_coupling(k, nu, mu):
     """The documented accuracy; the contact moves aside with Q, by up to a sixth of its half-width."""
     solid = GradedHalfPlane(1.0, nu, k, 1.0)
-    edges = contact_edges(solid, PROFILE, 1.0, mu, 0.9 * mu)
-    fine = contact_edges(solid, PROFILE, 1.0, mu, 0.9 * mu, nodes=200, steps=4)
+    edges = contact_edges(HalfPlaneContact(solid, PROFILE, mu, nodes=80), 1.0, 0.9 * mu)
+    fine = contact_edges(HalfPlaneContact(solid, PROFILE, mu, nodes=200), 1.0, 0.9 * mu, steps=4)
     a = (fine.contact[1] - fine.contact[0]) / 2
     assert edges.contact == pytest.approx(fine.contact, abs=7e-3 * a)
     assert edges.contact_range == pytest.approx(fine.contact_range, abs=7e-3 * a)

@@ -11,8 +11,10 @@ from simulations.runs import checks
 from simulations.runs.comparison import compare
 from simulations.runs.energy import EnergyMeter, worst_defect
 from simulations.runs.mesh_free import MeshFree
+from simulations.runs.plan import Plan
 from simulations.runs.reference import neglected, of_same_physics
-from simulations.scene import SceneError
+from simulations.runs.timing import Stopwatch
+from simulations.scene import SceneError, make_scene
 
 LOOP = {"solid__k": 0.3, "solid__nu": 0.3, "load__mu": 0.3, "load__cycles": 0, "solver__increments": 4}
 
@@ -76,6 +78,15 @@ def test_its_reference_has_it_too(coupling):
     found = compare(simulation.history, reference)
     assert found["pressure_l2"] < 4e-3 and found["traction_l2"] < 6e-3 and found["slip_l2"] < 6e-3
     assert "elastic slip (regularised)" in neglected(simulation)
+
+
+@pytest.mark.parametrize("coupling", [False, True])
+def test_the_mesh_is_graded_to_its_own_edges(coupling):
+    """Stick ends elsewhere than under Coulomb's law, at 0.65 to 0.75 a."""
+    loop = {"load.mu": 0.3, "load.amplitude": 0.6, "effects.coupling": coupling, "effects.elastic_slip": 1e-7}
+    cells = Plan(make_scene(loop), Stopwatch()).grading()
+    stick = [edge for edge in cells.edges if 0 < edge < 0.9]
+    assert cells.edge_at < 0 and stick and all(0.65 < edge < 0.76 for edge in stick)
 
 
 def test_its_limit_is_coulombs_law(stiff):

@@ -10,9 +10,11 @@ from solving import coarse_simulation
 from simulations import Simulation, make_scene, parse, run
 from simulations.runs.comparison import compare
 from simulations.runs.explain import explain
-from simulations.runs.limits import NARROWEST_STICK
+from simulations.runs.limits import NARROWEST_STICK, warnings_of
+from simulations.runs.plan import Plan
 from simulations.runs.reference import of_same_physics
 from simulations.runs.report_data import summary
+from simulations.runs.timing import Stopwatch
 from simulations.scene import DEFAULT_SCENE, SceneError
 from simulations.scene.steepness import SMALL, edge_slope
 from simulations.studies.sweeping import sweep
@@ -95,3 +97,13 @@ def test_a_stick_zone_is_told_where_its_half_width_is_off(share, least, most):
     for words in told:
         assert f"mesh.edge_facet = 0.004 is too coarse for c/a: the stick half-width is {c:.2g} a" in words
         assert words.endswith("needs 0.002 or less")
+
+
+def test_edges_that_are_not_found_before_are_told():
+    """Far above the critical coefficient of friction: the mesh is less well graded, which is no reason to stop."""
+    changes = {"solid.modulus": "power law", "solid.k": -0.8, "solid.nu": 0.0, "solid.y0_over_a0": 10.0}
+    scene = make_scene(COARSE | changes | {"load.mu": 10.0, "load.amplitude": 0.9})
+    plan = Plan(scene, Stopwatch())
+    cells = plan.grading()
+    (words,) = warnings_of(scene, cells, plan.loop, plan.scaled)
+    assert cells.edges == (-1.0, 1.0) and "edges were not found before: P = 1, Q =" in words
