@@ -47,6 +47,18 @@ class ContactState:
         """(P, Q, strain)."""
         return self.P, self.Q, self.strain
 
+    def pressure_at(self, x):
+        """p at x [stress] of any shape, zero outside the contact."""
+        return np.interp(x, self.x, self.pressure, left=0.0, right=0.0)
+
+    def traction_at(self, x):
+        """q at x [stress] of any shape, zero outside the contact."""
+        return np.interp(x, self.x, self.traction, left=0.0, right=0.0)
+
+    def slip_at(self, x):
+        """Slip at x [length] of any shape, within the nodes."""
+        return np.interp(x, self.x, self.slip)
+
 
 @dataclass(frozen=True)
 class StoredField:

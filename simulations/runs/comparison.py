@@ -1,13 +1,18 @@
 """A run beside a reference: relative errors where it has the same physics, differences otherwise."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Protocol
 
 import numpy as np
 
+from ..fem.surface import BAND, longest_zone
 from .history import Entry, History, all_states
 
 QUANTITIES = ("pressure_l2", "traction_l2", "slip_l2", "a", "c", "dissipated_energy")  # that ``compare`` may find
+
+
+class NoReference(RuntimeError):
+    """There is no solution to compare with; the message says why."""
 
 
 class Reference(Protocol):
@@ -36,6 +41,48 @@ class Reference(Protocol):
 
     def dissipated_energy(self) -> float | None:
         """As ``History.dissipated_energy``; None where unknown."""
+
+
+class OfStates:
+    """Reference made of the states of a half-plane solver at the load steps, dimensionless like the history.
+
+    states: with p, q and slip at any x; energy: as ``History.dissipated_energy``.
+    """
+
+    name = "half-plane solver"
+    coarser: Reference | None = None
+
+    def __init__(self, states: Sequence, energy: float):
+        self.states, self._energy = states, energy
+
+    def pressure(self, entry: Entry, x):
+        """p."""
+        return self.states[entry.number].pressure_at(x)
+
+    def traction(self, entry: Entry, x):
+        """q."""
+        return self.states[entry.number].traction_at(x)
+
+    def slip(self, entry: Entry, x):
+        """u_x - delta_x since the end of the normal stage."""
+        return self.states[entry.number].slip_at(x)
+
+    def contact(self, entry: Entry) -> tuple[float, float]:
+        """Edges of the contact."""
+        return self.states[entry.number].contact
+
+    def stick_half_width(self, entry: Entry) -> float:
+        """Half the length of the longest stick zone, with narrow bands of slip within as in a run's; nan without."""
+        state = self.states[entry.number]
+        if not len(state.stick_zones):
+            return np.nan
+        left, right = state.stick_zones.T
+        first, last = longest_zone(left, right, BAND * (state.contact[1] - state.contact[0]))
+        return float(right[last] - left[first]) / 2
+
+    def dissipated_energy(self) -> float:
+        """Of the last full cycle, where there is none since first contact."""
+        return self._energy
 
 
 def relative_l2(weight, computed, exact) -> float:

@@ -6,13 +6,11 @@ from dataclasses import replace
 import numpy as np
 
 from analytic import PressingWithFriction
-from analytic.half_plane.state import ContactState
 
 from ..fem.load import Load
-from ..fem.surface import BAND, longest_zone
 from ..loading.schedule import LoadStep, pressed_first
+from .comparison import NoReference, OfStates
 from .expected_edges import half_plane_solver
-from .history import Entry
 from .limits import coating_keys
 from .simulation import Simulation
 from .springs import last_cycle
@@ -25,11 +23,7 @@ FEWER_NODES = (200, 150)  # with more load steps: their error is then what count
 SHARE_OF_NODES = 0.75  # nodes for one, and half of the load steps, for an estimate of the reference's error
 
 
-class NoReference(RuntimeError):
-    """There is no solution to compare with; the message says why."""
-
-
-class MeshFree:
+class MeshFree(OfStates):
     """States of the half-plane solver at the load steps of a simulation; NoReference where it fails.
 
     nodes: how many at each load step, the next number where one does not converge, and then with how many it did;
@@ -68,9 +62,8 @@ class MeshFree:
         else:
             coating = coating_keys(simulation.scene)
             raise NoReference(f"{failure}; {coating}" if coating else str(failure))
-        self._states = [states[place] for place in places]
-        self._schedule = simulation.schedule
-        self._energy = self._dissipated(simulation.pressing_with_friction)
+        found = [states[place] for place in places]
+        super().__init__(found, _dissipated(found, simulation.schedule, simulation.pressing_with_friction))
         self.coarser = self._coarser(simulation, nodes) if estimated else None
 
     def _coarser(self, simulation, nodes):
@@ -80,51 +73,17 @@ class MeshFree:
         except NoReference as failure:
             raise NoReference(f"the error of the {self.name} is not known: {failure}") from None
 
-    def _at(self, entry: Entry) -> ContactState:
-        return self._states[entry.number]
 
-    def _interpolated(self, entry, name, x):
-        state = self._at(entry)
-        return np.interp(x, state.x, getattr(state, name), left=0.0, right=0.0)
-
-    def pressure(self, entry, x):
-        """p."""
-        return self._interpolated(entry, "pressure", x)
-
-    def traction(self, entry, x):
-        """q."""
-        return self._interpolated(entry, "traction", x)
-
-    def slip(self, entry, x):
-        """Slip."""
-        return self._interpolated(entry, "slip", x)
-
-    def contact(self, entry):
-        """Edges of the contact."""
-        return self._at(entry).contact
-
-    def stick_half_width(self, entry):
-        """Half the length of the longest stick zone, with narrow bands of slip within as in a run's."""
-        state = self._at(entry)
-        if not len(state.stick_zones):
-            return np.nan
-        left, right = state.stick_zones.T
-        first, last = longest_zone(left, right, BAND * (state.contact[1] - state.contact[0]))
-        return float(right[last] - left[first]) / 2
-
-    def dissipated_energy(self):
-        """Of the last full cycle, where there is none since first contact: while P grows alone by the exact contact,
-        where that is known, as the load steps of this solver add an error of first order there.
-        """
-        return self._energy
-
-    def _dissipated(self, pressing: PressingWithFriction | None) -> float:
-        found = last_cycle(self._states, self._schedule)
-        if pressing is None or self._schedule[-1].cycle:
-            return found
-        pressed = pressed_first(self._schedule) - 1
-        exact = replace(pressing, P=self._schedule[pressed].load.P).dissipated_energy
-        return found + exact - self._states[pressed].dissipated_energy
+def _dissipated(states, schedule, pressing: PressingWithFriction | None) -> float:
+    """Of the last full cycle, where there is none since first contact: while P grows alone by the exact contact, where
+    that is known, as the load steps of this solver add an error of first order there.
+    """
+    found = last_cycle(states, schedule)
+    if pressing is None or schedule[-1].cycle:
+        return found
+    pressed = pressed_first(schedule) - 1
+    exact = replace(pressing, P=schedule[pressed].load.P).dissipated_energy
+    return found + exact - states[pressed].dissipated_energy
 
 
 def steps_for_one(simulation: Simulation) -> int:

@@ -9,9 +9,9 @@ from math import ceil, log2
 import numpy as np
 
 from .checks import ERRORS
-from .comparison import Reference, own_errors
+from .comparison import NoReference, Reference, own_errors
 from .coupled_loop import grades, serves
-from .mesh_free import FEWER_NODES, FINER, MeshFree, NoReference, Tell, steps_for_one
+from .mesh_free import FEWER_NODES, FINER, MeshFree, Tell, steps_for_one
 from .simulation import Simulation
 from .springs import Springs
 from .step_free import StepFree

@@ -15,9 +15,9 @@ from ..command.command import comm, on_root, run, say
 from ..loading.stepping import SolveError
 from ..output import style
 from ..output.files import write_table, write_text
-from ..runs.comparison import Reference, apart, compare, compare_state
+from ..runs.comparison import NoReference, Reference, apart, compare, compare_state
 from ..runs.history import all_states
-from ..runs.mesh_free import MeshFree, NoReference, steps_for_one
+from ..runs.mesh_free import MeshFree, steps_for_one
 from ..runs.reference import of_same_physics
 from ..runs.simulation import Simulation
 from ..runs.springs import Springs

@@ -74,20 +74,10 @@ def changes(k: float, nu: float, mu: float) -> dict[str, float]:
     return result | {"energy": cycle[0] / cycle[1] - 1}
 
 
-def _at(x, state, values):
-    """Values at x, zero outside the contact."""
-    inside = (x > state.contact[0]) & (x < state.contact[1])
-    return np.where(inside, np.interp(x, state.x, values), 0.0)
-
-
-def _way(x, states):
-    return np.interp(x, states[-1].x, states[-1].slip) - np.interp(x, states[-1 - HALF].x, states[-1 - HALF].slip)
-
-
 FIELDS = {
-    "pressure": lambda x, states: _at(x, states[-1], states[-1].pressure),
-    "traction": lambda x, states: _at(x, states[-1], states[-1].traction),
-    "slip": _way,
+    "pressure": lambda x, states: states[-1].pressure_at(x),
+    "traction": lambda x, states: states[-1].traction_at(x),
+    "slip": lambda x, states: states[-1].slip_at(x) - states[-1 - HALF].slip_at(x),
 }
 
 

@@ -51,9 +51,8 @@ class SimulatedLoop:
         """Energy dissipated in the last cycle per area at x (n,) [stress x length]: mu p over the path slipped."""
         density, cycle = np.zeros(len(x)), self.last_cycle
         for before, after in pairwise(cycle):
-            pressure = (_at(x, before, before.pressure) + _at(x, after, after.pressure)) / 2
-            path = np.abs(np.interp(x, after.x, after.slip) - np.interp(x, before.x, before.slip))
-            density += self.mu * pressure * path
+            pressure = (before.pressure_at(x) + after.pressure_at(x)) / 2
+            density += self.mu * pressure * np.abs(after.slip_at(x) - before.slip_at(x))
         return density
 
     def peak_density(self) -> tuple[float, float]:
@@ -64,10 +63,6 @@ class SimulatedLoop:
         density = self.energy_density(x)
         i = int(density.argmax())
         return float(density[i]), float(abs(x[i]))
-
-
-def _at(x, state: ContactState, values):
-    return np.interp(x, state.x, values, left=0.0, right=0.0)
 
 
 def simulate(

@@ -4,8 +4,8 @@ import pytest
 from solving import solved
 
 from simulations.loading.stepping import SolveError
-from simulations.runs.comparison import compare
-from simulations.runs.mesh_free import MeshFree, NoReference
+from simulations.runs.comparison import NoReference, compare
+from simulations.runs.mesh_free import MeshFree
 
 SCENE = """
 [solid]

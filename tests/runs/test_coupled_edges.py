@@ -5,12 +5,13 @@ import pytest
 from mpi4py import MPI
 
 from analytic import CoupledLoop
+from analytic.coupled.state import CoupledState
 from simulations.fem.edge_place import vanishing_place
 from simulations.fem.mesh import Grading, columns
 from simulations.fem.surface import SurfaceState, fitted_contact_edges, fitted_stick_edges
 from simulations.runs import coupled_loop
 from simulations.runs.checks import largest_zigzag
-from simulations.runs.comparison import worst
+from simulations.runs.comparison import NoReference, worst
 from simulations.runs.coupled_loop import grades, loop_of, states_of
 from simulations.runs.expected_edges import FACETS_OF_WAY, Stop, stops_at
 from simulations.runs.limits import check_size
@@ -92,13 +93,25 @@ def test_the_mesh_takes_the_first_cycle_which_is_solved_once(monkeypatch):
 
 
 def test_no_solution_leaves_the_rough_edges(monkeypatch):
-    """At the edge of a stick zone that grows there is none; nor is there on large facets, which gain nothing."""
-    asked = plan("solid.nu=0", "load.mu=1", "solid.k=-0.3")
+    """Where points come into contact in stick up to the turn there is none; nor on large facets, which gain nothing."""
+    asked = plan("solid.nu=-0.4", "load.mu=0.7", "solid.k=-0.3", "load.amplitude=0.3")
     assert grades(asked.scene, asked.effects)
     assert coupled_loop.loop_edges(asked.scene, asked.scaled, asked.mu, asked.schedule) is None
     assert asked.grading().stops == ()
     coarse = plan("mesh.edge_facet=0.02")
     assert not grades(coarse.scene, coarse.effects)
+
+
+def test_load_steps_without_a_state_leave_the_others_their_places():
+    """Just after the turns points come into contact in stick: two of ten load steps have no state."""
+    asked = plan("solid.k=-0.543", "solid.nu=-0.083", "load.mu=0.0994", "load.amplitude=0.661", "solver.increments=2")
+    states = states_of(loop_of(asked.scaled, asked.mu), tuple((step.P, step.Q) for step in asked.schedule))
+    known = [isinstance(state, CoupledState) for state in states]
+    assert known == [True, True, True, False, True, True, True, False, True, True, True]
+    cells = asked.grading()
+    assert cells.edge_at > 0 and len(cells.stops) >= 12
+    with pytest.raises(NoReference, match="come into contact in stick"):
+        StepFree(Simulation(MPI.COMM_SELF, asked.scene))
 
 
 def test_edges_are_read_with_the_powers_that_coupling_gives():
@@ -112,7 +125,7 @@ def test_edges_are_read_with_the_powers_that_coupling_gives():
             x_l, c_l, c_r, x_r = exponents(entry.step.direction * simulation.mu)
             contact = fitted_contact_edges(entry.surface, (x_l, x_r))
             stick = fitted_stick_edges(entry.surface, simulation.mu, entry.step.direction, (c_l, c_r))
-            exact = (*reference.contact(entry), *reference.stick(entry))
+            exact = (*reference.contact(entry), *reference.states[entry.number].stick)
             off.append(np.abs(np.subtract((*contact, *stick), exact)))
         middle.append(np.median(off))
     assert 10 * middle[0] < middle[1] and middle[0] < 2e-4
