@@ -76,25 +76,25 @@ def _failed(error, code: int) -> int:
 
 
 def _leave_together(code):
-    """Exit once every rank has come here, rank 0 last and with the code of all: else mpirun ends the rest noisily."""
+    """Exit once every rank has come here, rank 0 last and with the largest code: else mpirun ends the rest noisily."""
+    if isinstance(code, str):
+        code = _failed(code, 1)
     together = None
     if comm.size > 1:
         together, waited = comm.Ibarrier(), time.monotonic()
         while not together.Test():
             if code and time.monotonic() - waited > LONGEST_WAIT:
-                comm.Abort(code if isinstance(code, int) else 1)
+                comm.Abort(code)
             time.sleep(0.01)
-    rank, ranks = comm.rank, comm.gather((socket.gethostname(), os.getpid())) if code else None
-    if isinstance(code, str):
-        say(code, file=sys.stderr)
-        code = 1
+    rank, ranks = comm.rank, comm.allgather((code, socket.gethostname(), os.getpid()))  # one rank alone may have failed
+    code = max(ranks)[0]
     PETSc._finalize()  # here, where every rank does
     if not MPI.Is_finalized():
         MPI.Finalize()
     sys.stdout.flush()
     ctypes.CDLL(None).fflush(None)  # what PETSc has printed
-    if rank == 0 and ranks:
-        _wait_for_end([pid for host, pid in ranks[1:] if host == socket.gethostname()])
+    if rank == 0 and code:
+        _wait_for_end([pid for _, host, pid in ranks[1:] if host == socket.gethostname()])
     stopping.over()  # not before: until here a rank may be killed, and the line says that the run is done
     os._exit(0 if rank else code)  # not through the interpreter's own end, in which a signal would find no handler
 

@@ -47,7 +47,6 @@ def main(arguments: list[str]):
         return
     from .costs.plots import draw
 
-    make_folders(given)
     path, store = given.output / "cost.csv", Store(given.output / "cost.jsonl")
     adopt(path, store)
     run_all([item_of(case) for case in given.cases], measured_apart, store, tell=say)
@@ -77,6 +76,8 @@ def read(arguments: list[str]) -> Namespace:
     given.cases = [case for case in cases(given.peer and has_getfem) if given.only in case.name]
     if not given.cases:
         raise SceneError(f"--only {given.only}: no such case; --list names them")
+    if not (given.case or given.list):
+        make_folders(given)
     return given
 
 

@@ -1,0 +1,16 @@
+"""The end of a command under mpirun: one exit code of all ranks, and none waits for another."""
+
+import pytest
+from running import run_command
+
+
+@pytest.mark.parametrize("rank, said", [(0, "not converged: on one rank\n"), (1, "")])
+def test_a_failure_of_one_rank_is_the_end_of_all(rank, said):
+    done = run_command(rank, ranks=2, module="tests.command.failing", timeout=60)
+    assert (done.returncode, done.stderr) == (3, said)
+
+
+@pytest.mark.parametrize("arguments, code", [(["--list", "--only", "sweep"], 0), (["--output", "/etc/passwd/x"], 2)])
+def test_a_study_of_rank_0_alone_ends_with_its_code(arguments, code):
+    done = run_command(*arguments, ranks=2, module="simulations.studies.cost", timeout=60)
+    assert done.returncode == code and len(done.stderr.splitlines()) == (code > 0), done.stderr
