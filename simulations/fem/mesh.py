@@ -5,6 +5,7 @@ tensor product of quadrilaterals, because on symmetric columns the nodal contact
 (by an order of magnitude, measured) than on triangles of the same number of unknowns.
 """
 
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 
 import gmsh
@@ -13,6 +14,8 @@ from dolfinx.graph import adjacencylist
 from dolfinx.io import gmshio
 
 from forms.depth_map import DepthMap
+
+from .parallel import on_root
 
 SURFACE, FAR, SYMMETRY, BODY = 1, 2, 3, 4  # physical groups
 PLACED_APART = 1.4  # facets between edges that can both be placed: nearer ones stretch those between them too much
@@ -144,35 +147,57 @@ def create_mesh(comm, x: np.ndarray, s: np.ndarray):
     Where x starts at 0 the left side is tagged SYMMETRY instead of FAR. Ranks own columns from left to right, as many
     each: of two ranks on symmetric columns each has one half of the body.
     """
-    if comm.rank == 0:
-        gmsh.initialize(interruptible=False)
-        gmsh.option.setNumber("General.Terminal", 0)
-        # Relative to the domain: with gmsh's own 1e-8 thin cells would be merged.
-        smallest = min(np.diff(x).min(), np.diff(s).min())
-        gmsh.option.setNumber("Geometry.Tolerance", 1e-3 * smallest / max(np.ptp(x), s[-1]))
-        gmsh.model.add("half-plane")
-        corner = gmsh.model.geo.addPoint(x[0], 0.0, 0.0)
-        (_, (_, surface)) = gmsh.model.geo.extrude([(0, corner)], x[-1] - x[0], 0, 0, *_cells(x))
-        swept = gmsh.model.geo.extrude([(1, surface)], 0, s[-1], 0, *_cells(s), recombine=True)
-        gmsh.model.geo.synchronize()
-        (_, bottom), (_, body), *sides = swept
-        groups = {SURFACE: [surface], FAR: [bottom], SYMMETRY: []}
-        for _, side in sides:
-            on_axis = x[0] == 0.0 and _abscissa(side) == 0.0
-            groups[SYMMETRY if on_axis else FAR].append(side)
-        for group, tags in groups.items():
-            if tags:
-                gmsh.model.addPhysicalGroup(1, [abs(tag) for tag in tags], group)
-        gmsh.model.addPhysicalGroup(2, [body], BODY)
-        gmsh.model.mesh.generate(2)
-    mesh, _, facets = gmshio.model_to_mesh(gmsh.model, comm, 0, gdim=2, partitioner=_by_columns(comm, x))
-    if comm.rank == 0:
-        gmsh.finalize()
+    with ExitStack() as stack:
+        on_root(comm, lambda: _build(stack, x, s))
+        mesh, _, facets = gmshio.model_to_mesh(gmsh.model, comm, 0, gdim=2, partitioner=_by_columns(comm, x))
     # gmsh places nodes to round-off of the domain. Slender cells beside the axis, whose halves are alike, need more.
     for direction, exact in enumerate((x, s)):
         between = (exact[1:] + exact[:-1]) / 2
         mesh.geometry.x[:, direction] = exact[np.searchsorted(between, mesh.geometry.x[:, direction])]
     return mesh, facets
+
+
+def _build(stack, x, s):
+    """Mesh the domain as the current gmsh model, which goes when ``stack`` ends."""
+    # Relative to the domain: with gmsh's own 1e-8 thin cells would be merged.
+    tolerance = 1e-3 * min(np.diff(x).min(), np.diff(s).min()) / max(np.ptp(x), s[-1])
+    stack.enter_context(_own_model({"General.Terminal": 0, "Geometry.Tolerance": tolerance, "Mesh.ElementOrder": 1}))
+    corner = gmsh.model.geo.addPoint(x[0], 0.0, 0.0)
+    (_, (_, surface)) = gmsh.model.geo.extrude([(0, corner)], x[-1] - x[0], 0, 0, *_cells(x))
+    swept = gmsh.model.geo.extrude([(1, surface)], 0, s[-1], 0, *_cells(s), recombine=True)
+    gmsh.model.geo.synchronize()
+    (_, bottom), (_, body), *sides = swept
+    groups = {SURFACE: [surface], FAR: [bottom], SYMMETRY: []}
+    for _, side in sides:
+        on_axis = x[0] == 0.0 and _abscissa(side) == 0.0
+        groups[SYMMETRY if on_axis else FAR].append(side)
+    for group, tags in groups.items():
+        if tags:
+            gmsh.model.addPhysicalGroup(1, [abs(tag) for tag in tags], group)
+    gmsh.model.addPhysicalGroup(2, [body], BODY)
+    gmsh.model.mesh.generate(2)
+
+
+@contextmanager
+def _own_model(options):
+    """A new gmsh model and numerical options for it. A caller's own session gets its model and options back."""
+    was_open = gmsh.isInitialized()
+    if not was_open:
+        gmsh.initialize(interruptible=False)
+    current, kept = gmsh.model.getCurrent(), {name: gmsh.option.getNumber(name) for name in options}
+    gmsh.model.add("half-plane")
+    try:
+        for name, value in options.items():
+            gmsh.option.setNumber(name, value)
+        yield
+    finally:
+        if was_open:
+            gmsh.model.remove()
+            gmsh.model.setCurrent(current)
+            for name, value in kept.items():
+                gmsh.option.setNumber(name, value)
+        else:
+            gmsh.finalize()
 
 
 def _by_columns(comm, x):

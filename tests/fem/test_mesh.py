@@ -1,5 +1,6 @@
 """Nodes of the mesh lie where they are meant to be, to the last digit."""
 
+import gmsh
 import numpy as np
 import pytest
 from mpi4py import MPI
@@ -22,3 +23,28 @@ def test_symmetric_edges_give_a_mesh_that_is_its_own_mirror_image(edges):
 def test_edges_that_are_not_symmetric_stay_where_they_are():
     x = columns(Grading((-1.0, 1.0 + 1e-6), edge_facet=1e-3, extent=100.0))
     assert 1e-8 < np.abs(x + x[::-1]).max() < 1e-4
+
+
+def refuse(*_):
+    raise RuntimeError("no mesh")
+
+
+@pytest.mark.parametrize("fails", [False, True])
+def test_the_session_of_a_caller_is_left_as_it_was(fails, monkeypatch):
+    x = s = np.array([0.0, 0.3, 1.0])
+    if fails:
+        monkeypatch.setattr(gmsh.model.mesh, "generate", refuse)
+    for is_open in (False, True):
+        if is_open:
+            gmsh.initialize(interruptible=False)
+            gmsh.model.add("mine")
+            gmsh.option.setNumber("Mesh.ElementOrder", 2)
+        try:
+            mesh, _ = create_mesh(MPI.COMM_SELF, x, s)
+            assert mesh.topology.index_map(2).size_local == 4
+        except RuntimeError:
+            assert fails
+        assert gmsh.isInitialized() == is_open
+    assert (gmsh.model.list(), gmsh.model.getCurrent()) == (["", "mine"], "mine")
+    assert gmsh.option.getNumber("Mesh.ElementOrder") == 2
+    gmsh.finalize()

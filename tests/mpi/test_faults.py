@@ -6,11 +6,13 @@ One rank alone: tests/output/test_restart.py and test_folder.py.
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 from mpi4py import MPI
 from running import coarse_arguments, fill_disk
 
 from simulations import fretting
+from simulations.fem.mesh import create_mesh
 from simulations.fem.parallel import on_root
 from simulations.output import lock
 from simulations.output.files import OutputError
@@ -55,6 +57,17 @@ def stop(folder, monkeypatch, call=12):
         with pytest.raises(OutputError, match="No space left on device; go on with .*--resume"):
             run(folder)
     comm.Barrier()
+
+
+def test_gmsh(monkeypatch):
+    """What it refuses on rank 0."""
+
+    def refuse(*_):
+        raise RuntimeError("no mesh")
+
+    monkeypatch.setattr("gmsh.model.mesh.generate", refuse)
+    with pytest.raises(RuntimeError, match="no mesh"):
+        create_mesh(comm, np.array([0.0, 1.0]), np.array([0.0, 1.0]))
 
 
 @pytest.mark.parametrize("call", [3, 16], ids=["mesh", "picture"])
