@@ -60,11 +60,16 @@ class Results:
                     self._write_tables()
 
     def keep(self, failure: str):
-        """Write what there is of a run that ends before its time, on rank 0; what cannot be written is left out."""
+        """Before a signal ends the process, on rank 0: write what there is. ``writing`` stays held, so that no other
+        thread writes after it.
+        """
         if self.summary.get("converged"):
             return  # it has reached its end: what says so is written, or about to be
-        if not output.writing.acquire(timeout=LONGEST_WRITE):
-            return  # a disk that does not answer
+        if output.writing.acquire(timeout=LONGEST_WRITE):  # else the disk does not answer
+            self._write_failed(failure)
+
+    def _write_failed(self, failure: str):
+        """What there is of a run that ends before its time, on rank 0; what cannot be written is left out."""
         with suppress(OSError):
             if self.simulation.history.entries:
                 self._write_tables()
@@ -102,7 +107,7 @@ class Results:
             self._everywhere(self._finish)
             self.failing = self.comm.bcast(self.failing)
         elif self.comm.rank == 0:
-            self.keep((str(error) or kind.__name__).splitlines()[0])
+            self._write_failed((str(error) or kind.__name__).splitlines()[0])
 
     def _finish(self):
         """The tables, the comparison and the picture, after which there is nothing left to go on with."""

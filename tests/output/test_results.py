@@ -2,6 +2,7 @@
 
 import csv
 import json
+from concurrent.futures import ThreadPoolExecutor
 
 import h5py
 import meshio
@@ -13,6 +14,7 @@ from solving import CYCLING, limit_stepping
 
 from simulations import fretting
 from simulations.loading.stepping import SolveError
+from simulations.output.files import writing
 from simulations.scene import language, parse
 from simulations.scene.output import FIELDS
 
@@ -222,3 +224,6 @@ def test_failed_solve_keeps_what_it_had(tmp_path, monkeypatch):
     with h5py.File(tmp_path / "surface.h5") as file:
         assert file["pressure"].shape[0] == summary["increments"]
         assert file["pressure"][-1] @ file["weight"][...] == pytest.approx(file["P_prescribed"][-1], rel=1e-8)
+    with ThreadPoolExecutor(1) as other:  # which can write now
+        assert other.submit(writing.acquire, blocking=False).result()
+        other.submit(writing.release).result()
