@@ -36,13 +36,18 @@ QUANTITIES = {  # of surface.h5: unit and meaning
 writing = threading.RLock()  # held while a file is written: a signal's last words wait for it
 
 
-class OutputError(RuntimeError):
-    """The results cannot be written; the message is one line and says how to go on."""
+class OutputError(OSError):
+    """The results cannot be written; the message is one line. That of a run says how to go on."""
+
+    def __str__(self):
+        return f"{self.filename} cannot be written: {self.strerror}" if self.filename else super().__str__()
 
 
 @contextmanager
 def on_disk(path: Path) -> Iterator[Path]:
-    """A neighbour to write ``path`` to; it takes its place once whole and on the disk, or leaves no trace."""
+    """A neighbour to write ``path`` to; it takes its place once whole and on the disk, or leaves no trace. OutputError
+    where it cannot be written.
+    """
     partial = path.with_name("part." + path.name)
     with writing:
         try:
@@ -50,10 +55,12 @@ def on_disk(path: Path) -> Iterator[Path]:
             with open(partial, "rb") as file:
                 os.fsync(file.fileno())
             os.replace(partial, path)
-        except BaseException:
+        except OSError as error:
+            error.__traceback__ = None  # it would keep what was to be written in a reference cycle
+            raise OutputError(error.errno, error.strerror or str(error), str(path)) from None
+        finally:
             with suppress(OSError):
                 partial.unlink(missing_ok=True)
-            raise
 
 
 @contextmanager

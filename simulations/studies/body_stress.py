@@ -13,6 +13,7 @@ from matplotlib.ticker import MaxNLocator
 from ..command.command import comm, on_root, run, say
 from ..output.body_states import BodyState, read_states
 from ..output.checkpoint import read_scene
+from ..output.files import on_disk
 from ..output.folder import refuse_changed
 from ..output.page_words import quantity
 from ..output.style import in_words, panels, save, style
@@ -78,7 +79,8 @@ def animate(states: list[BodyState], a: float, scale: float, path: Path) -> Path
         axis.clear()
         draw(axis, states[i], a, scale)
 
-    FuncAnimation(figure, show, frames=len(states)).save(path, writer=PillowWriter(fps=2))
+    with on_disk(path) as partial:
+        FuncAnimation(figure, show, frames=len(states)).save(partial, writer=PillowWriter(fps=2))
     plt.close(figure)
     return path
 

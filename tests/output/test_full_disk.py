@@ -9,6 +9,7 @@ import pytest
 from restarting import RUN, assert_same
 from running import ROOT, coarse_arguments, environment, fill_disk
 
+import simulations.sweep
 from simulations import fretting
 from simulations.output.files import OutputError
 
@@ -27,6 +28,14 @@ def test_at_a_chosen_write(call, uninterrupted, tmp_path, monkeypatch):
     monkeypatch.undo()
     fretting.main(["--resume", str(folder)])
     assert_same(folder, uninterrupted)
+
+
+def test_the_table_of_a_sweep(tmp_path, monkeypatch):
+    fill_disk(monkeypatch, 3)  # after the folder and the finished run
+    with pytest.raises(OutputError) as error:
+        simulations.sweep.main([*coarse_arguments(tmp_path, **RUN), "--vary", "solid.k=0.2,", "--quiet"])
+    assert str(error.value) == f"{tmp_path / 'sweep.csv'} cannot be written: No space left on device"
+    assert not [*tmp_path.glob("part.*")]
 
 
 def test_files_that_may_not_grow(uninterrupted, tmp_path):
