@@ -93,12 +93,12 @@ def read(arguments: list[str]) -> Namespace:
     parser.add_argument("--animate", action="store_true", help="write body.gif, too")
     given = parser.parse_args(arguments)
     given.states = read_states(given.folder)
+    if not (given.folder / "history.csv").is_file():
+        raise SceneError(f"{given.folder} is not the folder of a run that ended: history.csv is missing")
     with open(given.folder / "history.csv", newline="", encoding="utf-8") as file:
         given.a = half_width(csv.DictReader(file))
     refuse_changed(given.folder)
     given.scene = read_scene(given.folder)
-    if not given.states:
-        raise SceneError(f"{given.folder} holds a run that recorded no state")
     given.output = given.output or given.folder
     make_folders(given)
     return given

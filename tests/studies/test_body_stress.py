@@ -1,11 +1,14 @@
 """The panel of the stress in the body reads what a run wrote."""
 
+import shutil
+
 import numpy as np
 import pytest
 from running import coarse_arguments
 
 from simulations import fretting
 from simulations.output.body_states import read_states
+from simulations.scene import SceneError
 from simulations.studies import body_stress as fields_panel
 
 
@@ -41,3 +44,10 @@ def test_panel_and_animation(folder, tmp_path):
     assert (tmp_path / "body.pdf").read_bytes().startswith(b"%PDF")
     assert (tmp_path / "body.png").read_bytes().startswith(b"\x89PNG")
     assert (tmp_path / "body.gif").read_bytes().startswith(b"GIF")
+
+
+def test_a_run_without_its_history_is_refused(folder, tmp_path):
+    copy = shutil.copytree(folder, tmp_path / "copy")
+    (copy / "history.csv").unlink()
+    with pytest.raises(SceneError, match="history.csv is missing"):
+        fields_panel.main([str(copy)])
