@@ -130,8 +130,6 @@ def load(folder: Path) -> Saved:
         changes = tuple(map(tuple, json.loads(str(kept["changes"]))))
         checksums = kept["checksums"].tolist()
     except (OSError, ValueError, KeyError, EOFError, TypeError, zipfile.BadZipFile) as error:
-        if isinstance(error, SceneError):
-            raise
         raise _refusal(folder, str(error)) from None
     if len(states) != number:
         raise _refusal(folder, "states.bin is too short")
