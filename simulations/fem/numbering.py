@@ -83,7 +83,7 @@ class Numbering:
 
     def _gather_points(self, local: np.ndarray) -> np.ndarray | None:
         """Values at the points of the cells along the surface, (columns, d + 1, d + 1) on rank 0; nan off the strip."""
-        count = (len(self._x) // self._degree) * (self._degree + 1) ** 2
+        count = ((len(self._x) - 1) // self._degree) * (self._degree + 1) ** 2
         owned = self._point_owned
         whole = self._collect(self._point_place[owned], local[self._point_index[owned]], count)
         return None if whole is None else whole.reshape(-1, self._degree + 1, self._degree + 1)
