@@ -17,9 +17,11 @@ def with_defaults(prefix: str, defaults: dict, configure):
     missing = {prefix + name: value for name, value in defaults.items() if prefix + name not in options}
     for name, value in missing.items():
         options[name] = value
-    configure()
-    for name in missing:
-        del options[name]
+    try:
+        configure()
+    finally:
+        for name in missing:
+            del options[name]
 
 
 def bulk_solver(matrix: PETSc.Mat, factorisation: str, changes=None, prepare=None) -> PETSc.KSP:
