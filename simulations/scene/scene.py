@@ -46,7 +46,9 @@ class Scene(BaseModel):
             title = given.pop("title", "")
             try:
                 super().__init__(title=title, **typed_tables(given))
-            except ValidationError:  # the tables are checked
+            except ValidationError as error:
+                if error.errors()[0]["loc"][:1] != ("title",):  # the tables are checked: an error of the program
+                    raise
                 text = f"a text in one line of at most {LONGEST_TEXT} characters"
                 raise SceneError(f"title = {shown(title)} is not allowed: {text}") from None
 

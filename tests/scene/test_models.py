@@ -5,7 +5,7 @@ import time
 
 import numpy as np
 import pytest
-from pydantic import Field
+from pydantic import Field, ValidationError
 from running import ROOT
 
 from simulations.scene import (
@@ -47,6 +47,15 @@ def test_tables_make_the_scene_that_text_makes():
         indenter={"R": 0.1},
         load={"P": 1e6, "mu": 0.3, "amplitude": 0.9},
     )
+
+
+def test_an_error_of_the_program_is_not_blamed_on_the_title(monkeypatch):
+    def check_steepness(*_):
+        raise ValueError("a fault of the program")
+
+    monkeypatch.setattr("simulations.scene.scene.check_steepness", check_steepness)
+    with pytest.raises(ValidationError, match="a fault of the program"):
+        parse(DEFAULT_SCENE)
 
 
 @pytest.mark.parametrize("path", FILES, ids=[path.stem for path in FILES])
