@@ -63,13 +63,14 @@ def read_table(path: Path) -> list[Changes]:
     if not lines or "" in names or len(set(names)) < len(names):
         raise SceneError(f"--csv-in {shown(path)} is not allowed: a line of different keys, then lines of values")
     rows = []
+    lines_of: dict[tuple, int] = {}
     for number, line in enumerate(lines, start=2):
         if not line:
             continue
         if len(line) != len(names) or "" in (cell.strip() for cell in line):
             raise SceneError(f"--csv-in {shown(path)}, line {number}: {len(names)} values are needed")
         row = {name: read_value(cell.strip()) for name, cell in zip(names, line)}
-        if row in rows:
+        if lines_of.setdefault(tuple(map(_comparable, row.values())), number) != number:
             raise SceneError(f"--csv-in {shown(path)}, line {number}: the same row is there twice")
         rows.append(row)
     return rows
@@ -91,8 +92,9 @@ def product(
     for key, values in columns.items():
         if not values:
             raise SceneError(f"{key} is to vary but has no value")
+        places: dict[Any, int] = {}
         for i, value in enumerate(values):
-            if value in values[:i]:
+            if places.setdefault(_comparable(value), i) != i:
                 raise SceneError(f"{key} = {shown(value)} is to vary but is there twice")
         if any(key in row for row in rows):
             raise SceneError(f"{key} is to vary in two ways: as a key of its own and in a table")
@@ -105,6 +107,11 @@ def product(
         raise SceneError(f"{count} scenes are too many: {MOST} are allowed")
     cases = [dict(zip(columns, values)) for values in itertools.product(*columns.values())]
     return [{key: _plain(value) for key, value in row.items()} | case for row in rows for case in cases]
+
+
+def _comparable(value):
+    """What is the same for equal values and can be looked up: a number itself, the text of anything else."""
+    return value if isinstance(value, (int, float)) else written(value)
 
 
 def base_of(scene) -> str:

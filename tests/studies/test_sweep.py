@@ -277,7 +277,7 @@ def test_values_of_a_key():
     pairs = [(1, 3), (1, 4), (2, 3), (2, 4)]
     assert product({"a": [1, 2], "b": [3, 4]}) == [{"a": a, "b": b} for a, b in pairs]
     assert product([{"a": 1}, {"a": 2}]) == [{"a": 1}, {"a": 2}]
-    for wrong in ({}, {"a": []}, []):
+    for wrong in ({}, {"a": []}, [], {"a": [1, 1.0]}, {"a": [[1, 0], [1, 0]]}):
         with pytest.raises(SceneError, match="vary|varies"):
             product(wrong)
 
