@@ -16,7 +16,7 @@ from simulations.runs.mesh_free import MeshFree, refined
 from simulations.runs.reference import of_same_physics
 from simulations.runs.simulation import Simulation
 from simulations.runs.stretched import StretchedForm
-from simulations.scene import SceneError, parse
+from simulations.scene import SceneError, make_scene, parse
 
 UNCOUPLED = (ROOT / "scenes" / "uncoupled.toml").read_text(encoding="utf-8")
 GHENT = (ROOT / "scenes" / "ghent.toml").read_text(encoding="utf-8")
@@ -141,6 +141,15 @@ def test_stress_instead_of_strain():
     scene = parse(UNCOUPLED, ("load.bulk_stress=1e8", "load.bulk_depth=1e-3"))
     E = scene.half_plane.modulus(1e-3)
     assert scene.bulk_strain == pytest.approx(1e8 * (1 - 0.3**2) / E)
+
+
+@pytest.mark.parametrize("modulus", ["linear", "exponential"])
+def test_stress_in_a_coating_needs_its_depth(modulus):
+    solid = {"modulus": modulus, "E0": 100e9, "E_substrate": 200e9, "thickness": 1e-3, "nu": 0.3}
+    changes = {"solid": solid | {"k": None, "y0_over_a0": None}, "load.bulk_stress": 1e8}
+    with pytest.raises(SceneError, match="load.bulk_depth is missing: the depth .*, a number > 0"):
+        make_scene(changes)
+    assert make_scene(changes | {"load.bulk_depth": 1e-3}).bulk_strain == pytest.approx(1e8 * 0.91 / 200e9)
 
 
 @pytest.mark.parametrize(
