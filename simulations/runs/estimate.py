@@ -110,7 +110,7 @@ def _choice(scene: Scene) -> accuracy.Choice:
 
 
 def _asked(scene: Scene):
-    return accuracy.of_scene(scene.load, scene.solid.nu, scene.k, scene.effects.coupling)
+    return accuracy.of_scene(scene.load, scene.k, scene.effects.coupling and not scene.is_decoupled)
 
 
 def expectation(scene: Scene) -> str:

@@ -14,7 +14,6 @@ from math import isfinite
 from pathlib import Path
 
 from .errors import SceneError
-from .solid import is_holl_ratio
 
 TABLE = Path(__file__).with_name("accuracy.csv")
 FINEST_EDGE = 6e-5  # a, for k < 0: slip on thinner layers has ten times the error
@@ -66,12 +65,12 @@ def family(fineness: float, k: float, coupled: bool = False) -> dict[str, float]
     return {"mesh.degree": 3} | {f"mesh.{name}": float(f"{value:.4g}") for name, value in sizes.items()}
 
 
-def of_scene(load, nu: float, k: float, coupling: bool) -> tuple[float, float | None, bool]:
+def of_scene(load, k: float, coupled: bool) -> tuple[float, float | None, bool]:
     """A scene as the table knows it: k, Q_A/(mu P), which is 0.9 for paths and None without friction, and whether it
-    is a loop with coupling. coupling: whether it is on; at the Holl ratio there is none.
+    is a loop with coupling. coupled: whether there is coupling; a power law at the Holl ratio has none.
     """
     amplitude = getattr(load, "amplitude", 0.9) if getattr(load, "mu", None) is not None else None
-    return k, amplitude, coupling and hasattr(load, "amplitude") and not is_holl_ratio(nu, k)
+    return k, amplitude, coupled and hasattr(load, "amplitude")
 
 
 @cache

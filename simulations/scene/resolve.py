@@ -14,10 +14,11 @@ from .fields import allowed, plain
 from .indenter import Shape, named, shape_of
 from .output import Output
 from .settings import EffectSwitches, Mesh, Reference, Solver, switches
-from .solid import normal_contact
+from .solid import is_decoupled, normal_contact
 from .steepness import look_at
 from .table import KINDS, Table, fields, model_for, unknown
-from .tables import ONE_OF_TWO, TANGENTIAL, AnyIndenter, AnyLoad, AnySolid, Formula, Fretting, Indentation, Path
+from .tables import ONE_OF_TWO, TANGENTIAL, AnyIndenter, AnyLoad, AnySolid
+from .tables import Formula, Fretting, Homogeneous, Indentation, Path
 
 NEEDED = "f is to be 0 at 0, positive beside it, and convex as far as contact reaches"
 
@@ -37,8 +38,9 @@ def typed_tables(given: Mapping[str, Any]) -> dict[str, Table]:
     load = _load(raw["load"], effects.friction)
     solver = Solver(**raw["solver"])
     if solver.accuracy is not None:
-        k = getattr(solid, "k", 0.0) if effects.grading else 0.0
-        asked = accuracy.of_scene(load, solid.nu, k, effects.coupling)
+        material = solid if effects.grading else Homogeneous(E0=solid.E0, nu=solid.nu)
+        coupled = effects.coupling and not is_decoupled(material)
+        asked = accuracy.of_scene(load, getattr(material, "k", 0.0), coupled)
         _choose_mesh(raw, accuracy.choose(solver.accuracy, *asked))
     return {
         "solid": _in_metres(solid, indenter, load),

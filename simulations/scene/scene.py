@@ -16,7 +16,7 @@ from .resolve import fitting, half_width_on_homogeneous, typed_tables
 from .settings import EffectSwitches, Mesh, Reference, Solver
 from .steepness import check_steepness
 from .table import KINDS
-from .tables import AnyIndenter, AnyLoad, AnySolid, Fretting, Homogeneous, Path, PowerLaw
+from .tables import AnyIndenter, AnyLoad, AnySolid, Fretting, Homogeneous, Path
 from .text import written
 
 LOCKING = 0.47  # Poisson's ratio above which plain displacements lose to the mixed form, measured (docs/effects.md)
@@ -134,12 +134,12 @@ class Scene(BaseModel):
     @property
     def is_power_law(self) -> bool:
         """True where (1) holds at every depth, with k = 0 too."""
-        return isinstance(self.material, (PowerLaw, Homogeneous))
+        return solids.is_power_law(self.material)
 
     @property
     def is_decoupled(self) -> bool:
         """True at the Holl ratio, where normal and tangential problem do not see each other."""
-        return self.is_power_law and solids.is_holl_ratio(self.solid.nu, self.k)
+        return solids.is_decoupled(self.material)
 
     @property
     def contact_has_closed_form(self) -> bool:

@@ -14,9 +14,14 @@ from .tables import AnySolid, ExponentialCoating, Homogeneous, PowerLaw, PowerLa
 KERNEL_FROM, KERNEL_TO = 1e-4, 8.0  # distances, over the half-width, between which a kernel is wanted
 
 
-def is_holl_ratio(nu: float, k: float) -> bool:
-    """True where normal and tangential problem of a power law do not see each other."""
-    return abs(nu * (2.0 + k) - 1.0) < 1e-9
+def is_power_law(solid: AnySolid) -> bool:
+    """True where (1) holds at every depth, with k = 0 too."""
+    return isinstance(solid, (PowerLaw, Homogeneous))
+
+
+def is_decoupled(solid: AnySolid) -> bool:
+    """True for a power law at the Holl ratio, where normal and tangential problem do not see each other."""
+    return is_power_law(solid) and abs(solid.nu * (2.0 + getattr(solid, "k", 0.0)) - 1.0) < 1e-9
 
 
 def normal_contact(solid: GradedHalfPlane, shape: Shape, P: float) -> CylinderContact | ProfileContact:

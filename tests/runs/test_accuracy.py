@@ -121,6 +121,14 @@ def test_cell_sizes_are_not_given_twice():
     assert parse(scene.to_toml()) == scene
 
 
+def test_a_coating_is_coupled_at_the_holl_ratio_of_its_k_too():
+    coupled, uncoupled = (accuracy.choose(3e-3, 0.3, 0.9, which).mesh["mesh.facet"] for which in (True, False))
+    sets = {"solid.nu": 1 / 2.3, "solver.accuracy": 3e-3}
+    coating = {"solid.modulus": '"power-law coating"', "solid.thickness_over_a0": 5}
+    assert scene_with(sets | coating).mesh.facet == coupled != uncoupled == scene_with(sets).mesh.facet
+    assert f"facets of {coupled:g} a" in estimate.expectation(scene_with(sets | coating))
+
+
 def test_the_table_covers_the_study():
     """Every line is one of the study's, so that the table can be made again."""
     studied = {(c.problem in COUPLED, c.k, float(c.level)) for c in cases() if c.study == "fineness"}
