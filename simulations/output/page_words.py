@@ -121,7 +121,7 @@ def _strain(scene: Scene) -> str:
 
 def strain_course(scene: Scene) -> str:
     """How the bulk strain goes with Q."""
-    phase = getattr(scene.load, "bulk_phase", None) or 0.0
+    phase = scene.bulk_phase
     return "with Q up to Q_A, and stays" if phase == "constant" else f"{phase:g}° behind Q" if phase else "with Q"
 
 

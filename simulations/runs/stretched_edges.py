@@ -46,7 +46,7 @@ def rough_edges(scene: Scene, scaled: Scaled, effects: Effects, loads: list[Load
     except (RuntimeError, ValueError) as reason:  # none to stop: the mesh is only less well graded
         return ExpectedEdges((1.0,), unknown=str(reason))
     turns = [state for state in states[::-1] if abs(state.Q) == Q_A]
-    shown = states[::-1] if scene.load.bulk_phase or scene.mesh.edges == "states" else turns
+    shown = states[::-1] if scene.bulk_phase or scene.mesh.edges == "states" else turns
     contact = np.abs([state.contact for state in states if state.Q])
     edges = several([edge for state in shown for edge in (*state.contact, *state.stick)])
     way = (float(contact.min()), float(contact.max())) if "coupling" in effects else None

@@ -154,7 +154,7 @@ def bulk_strain(scene: Scene) -> Verdict:
     strain = scene.bulk_strain
     if not strain:
         return Verdict(False, "no load.bulk_strain", "the body far from the contact is at rest")
-    phase = getattr(scene.load, "bulk_phase", None) or 0.0
+    phase = scene.bulk_phase
     course = "constant from +Q_A on" if phase == "constant" else f"{phase:g} degrees behind Q" if phase else "in phase"
     return Verdict(True, f"amplitude {strain:.4g}, {course}", "slip gains eps x, displacement and stress the far field")
 

@@ -1,7 +1,7 @@
 """A scene: what is asked, in the paper's symbols and SI units, checked and resolved to numbers."""
 
 from functools import cached_property
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
@@ -161,11 +161,16 @@ class Scene(BaseModel):
             raise SceneError("load.bulk_depth is missing: the depth at which load.bulk_stress acts, a number > 0")
         return load.bulk_stress * (1 - self.solid.nu**2) / solids.modulus_at(self.material, depth or 1.0)
 
+    @property
+    def bulk_phase(self) -> float | Literal["constant"]:
+        """Lag of the bulk strain behind Q in degrees, or "constant"; 0 without."""
+        return getattr(self.load, "bulk_phase", None) or 0.0
+
     @cached_property
     def stretched_loop(self) -> StretchedLoop | None:
         """Closed form of the uncoupled loop with bulk strain [X7], SI units; None where it does not hold."""
         load = self.load
-        if not (isinstance(load, Fretting) and self.contact and (load.bulk_phase in (None, 0.0))):
+        if not (isinstance(load, Fretting) and self.contact) or self.bulk_phase:
             return None
         try:
             return StretchedLoop(self.contact.fretting(self.mu, z=1 - load.amplitude), self.bulk_strain)
