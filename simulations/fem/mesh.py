@@ -161,7 +161,9 @@ def _build(stack, x, s):
     """Mesh the domain as the current gmsh model, which goes when ``stack`` ends."""
     # Relative to the domain: with gmsh's own 1e-8 thin cells would be merged.
     tolerance = 1e-3 * min(np.diff(x).min(), np.diff(s).min()) / max(np.ptp(x), s[-1])
-    stack.enter_context(_own_model({"General.Terminal": 0, "Geometry.Tolerance": tolerance, "Mesh.ElementOrder": 1}))
+    options = {"General.Terminal": 0, "Geometry.Tolerance": tolerance}
+    plain = {"Mesh.ElementOrder": 1, "Mesh.SubdivisionAlgorithm": 0}  # whatever a caller's session has
+    stack.enter_context(_own_model(options | plain))
     corner = gmsh.model.geo.addPoint(x[0], 0.0, 0.0)
     (_, (_, surface)) = gmsh.model.geo.extrude([(0, corner)], x[-1] - x[0], 0, 0, *_cells(x))
     swept = gmsh.model.geo.extrude([(1, surface)], 0, s[-1], 0, *_cells(s), recombine=True)
