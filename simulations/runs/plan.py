@@ -1,6 +1,6 @@
 """Plan of a run before anything is meshed: scaled problem, closed forms, load schedule, wanted cell sizes."""
 
-from dataclasses import replace
+from dataclasses import astuple, replace
 from functools import cached_property
 
 from analytic import PowerProfile, PressingWithFriction, StretchedLoop
@@ -59,12 +59,22 @@ class Plan:
 
     @property
     def graded_for(self) -> tuple | None:
-        """What the mesh of a scene depends on: equal for scenes whose meshes are; None where that is not known."""
-        if self.scene.indenter.profile != "parabola":
+        """What mesh and stiffness of a scene depend on, numbers to 12 digits: where it is equal, these are; None where
+        it is not known.
+
+        In the closed forms Q and strain count over mu alone, as slip does: beyond them mu counts too.
+        """
+        scene, law, mu = self.scene, self.scaled.modulus, self.mu or 1.0
+        if scene.indenter.profile != "parabola" or self.effects.works(scene, self.scaled.scales):
             return None
-        loads = tuple(step.load for step in self.schedule)
+        numbers = [*astuple(law), scene.solid.nu]  # type: ignore[call-overload]
+        numbers += [number for step in self.schedule for number in (step.P, step.Q / mu, step.load.strain / mu)]
+        if not self.effects.has_closed_form:
+            numbers += [mu, self.scaled.elastic_compliance(scene)]
         on = tuple(name for name, verdict in self.effects.verdicts.items() if verdict.on)
-        return loads, self.mu, on, tuple(self.scene.cell_sizes.items()), self.scene.mesh.edges
+        kind = type(law), on, scene.is_loop, getattr(scene.load, "bulk_phase", None)
+        mesh = scene.mesh.degree, scene.mesh.edges, *scene.cell_sizes.items()
+        return *kind, *mesh, *(float(f"{number:.12g}") for number in numbers)
 
     @property
     def extent(self) -> float:

@@ -20,6 +20,8 @@ def why_not(previous: Plan, have: Grading, mesh_of: tuple | None, new: Plan) -> 
     It does where solid, effects on the body, degree and cell sizes are the same, and where the mesh is as fine at the
     edges of contact and stick of the new scene as one of its own would be.
     """
+    if mesh_of is not None and mesh_of == new.graded_for:
+        return None
     mine, theirs = new.scaled.modulus, previous.scaled.modulus
     same = type(mine) is type(theirs) and np.allclose(
         astuple(mine), astuple(theirs), rtol=1e-12, atol=0  # type: ignore[call-overload]
@@ -33,8 +35,6 @@ def why_not(previous: Plan, have: Grading, mesh_of: tuple | None, new: Plan) -> 
         return "an effect adds to the stiffness of the body"
     if new.scene.mesh.degree != previous.scene.mesh.degree:
         return f"mesh.degree = {new.scene.mesh.degree}, not {previous.scene.mesh.degree}"
-    if mesh_of is not None and mesh_of == new.graded_for:
-        return None
     wanted = new.grading()
     for name in SIZES:
         if not np.isclose(getattr(wanted, name), getattr(have, name), rtol=1e-12, atol=0):

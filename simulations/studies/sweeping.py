@@ -18,7 +18,9 @@ from ..output.files import write_table
 from ..output.folder import begin, claimed, is_run_of
 from ..output.results import Results
 from ..runs import comparison, reference, zigzags
+from ..runs.plan import Plan
 from ..runs.simulation import Simulation
+from ..runs.timing import Stopwatch
 from ..scene import DEFAULT_SCENE, Scene, SceneError, parse
 from ..scene.effects import Effects
 from .engine import FAILED, Item, Row, run_all
@@ -26,12 +28,9 @@ from .store import Store
 from .sweep_folder import RUNS, take
 from .variation import Changes, base_of, check, overrides, product
 
-# Keys that leave mesh and stiffness as they are, in units of the contact: load, cylinder and modulus only scale.
-SCALES = {"title", "load.P", "solid.E0", "solid.y0", "indenter.R"}
-# Likewise where pressure and traction do not see each other.
-UNCOUPLED = {"load.mu"}
+# Keys that may leave mesh and stiffness as they are, in units of the contact.
+SCALES = {"title", "load.P", "load.mu", "solid.E0", "solid.y0", "indenter.R", "solver.gamma0", "reference.kind"}
 HOLD = "hold"  # checks of a row
-RUN_ONLY = {"solver.gamma0", "reference.kind"}
 
 
 class Table(list[Row]):
@@ -113,9 +112,8 @@ def _with_status(row: Row) -> Row:
 
 
 def _solid(changes: Changes) -> str:
-    """What may be shared comes first when sorted by it."""
-    free = SCALES | UNCOUPLED | RUN_ONLY
-    return json.dumps({key: value for key, value in sorted(changes.items()) if key not in free})
+    """Cases that may share a body are neighbours when sorted by it; ``prepared`` decides."""
+    return json.dumps({key: value for key, value in sorted(changes.items()) if key not in SCALES})
 
 
 _kept: list[Simulation] = []  # the last simulation of this process, whose body the next may take over
@@ -143,24 +141,10 @@ def run_scene(values: Row) -> Row:
 
 
 def prepared(scene: Scene, previous: Simulation | None) -> Simulation:
-    """The simulation of a scene, with the body of the previous one where that is its own."""
-    if previous is not None and reusable(previous, scene):
-        try:
-            return Simulation(MPI.COMM_SELF, scene, like=previous)
-        except ValueError:  # not the same in scaled units; or the scene is refused, which its own body tells
-            pass
-    return Simulation(MPI.COMM_SELF, scene)
-
-
-def reusable(previous: Simulation, scene: Scene) -> bool:
-    """True where the scene's own mesh, in scaled units, is that of ``previous``: what is shared changes no number."""
-    mine, other = scene.to_keys(), previous.scene.to_keys()
-    free = SCALES | RUN_ONLY
-    if scene.contact_has_closed_form and previous.scene.contact_has_closed_form:
-        free = free | UNCOUPLED
-    if mine["indenter.profile"] != "parabola" or not scene.is_power_law:  # shapes and layers with lengths of their own
-        free = free - SCALES
-    return all(mine.get(key) == other.get(key) for key in mine.keys() | other.keys() if key not in free)
+    """The simulation of a scene, with the body of the previous one where that is its own, so that no number changes."""
+    mesh_of = previous.mesh_of if previous else None
+    is_same = mesh_of is not None and Plan(scene, Stopwatch()).graded_for == mesh_of
+    return Simulation(MPI.COMM_SELF, scene, like=previous if is_same else None)
 
 
 def compile_forms(items: list[Item]):

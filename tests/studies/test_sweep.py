@@ -13,16 +13,16 @@ from multiprocessing import get_context
 
 import pytest
 from coarse_sweep import COARSE_SETS, VARY, arguments, rows_of
-from running import MPI_ENVIRONMENT, ROOT, run_command
+from running import COARSE, MPI_ENVIRONMENT, ROOT, run_command
 from solving import coarse_simulation
 
 import simulations.sweep as command
 from simulations import SceneError, sweep
 from simulations.runs import checks, comparison
 from simulations.runs.reference import closed_form
-from simulations.scene import DEFAULT_SCENE, parse
+from simulations.scene import DEFAULT_SCENE, make_scene, parse
 from simulations.studies import sweeping
-from simulations.studies.sweeping import prepared, reusable
+from simulations.studies.sweeping import prepared
 from simulations.studies.variation import product, read_vary
 
 MEASURED = ("seconds",)
@@ -135,11 +135,31 @@ def test_a_body_is_shared_where_it_is_the_same(monkeypatch):
         ("effects.coupling=true", False),
         ('indenter.profile="circle"', False),
     ):
-        assert reusable(first, parse(DEFAULT_SCENE, (*COARSE_SETS, change))) == shared, change
-    heavier = prepared(parse(DEFAULT_SCENE, (*COARSE_SETS, "load.P=2e6")), first)
-    assert heavier.body is first.body
-    coupled = coarse_simulation(solid__nu=0.3)
-    assert not reusable(coupled, parse(DEFAULT_SCENE, (*COARSE_SETS[:-1], "solid.nu=0.3", "load.mu=0.5")))
+        simulation = prepared(parse(DEFAULT_SCENE, (*COARSE_SETS, change)), first)
+        assert (simulation.body is first.body) == shared, change
+
+
+COUPLED = COARSE | {"solid.nu": 0.3}
+NO_LOOP = {"load.P": None, "load.amplitude": None, "load.cycles": None}
+PATH = NO_LOOP | {"load.points": [[1e6, 0.0], [1e6, 1e5], [6e5, 1e5]]}
+
+
+@pytest.mark.parametrize(
+    "keys, changes",
+    [
+        (COUPLED, {"load.mu": 0.5}),
+        (COARSE | {"load.bulk_strain": 1e-4}, {"load.P": 1.1e6}),
+        (COARSE | {"load.bulk_strain": 1e-4}, {"load.P": 2e6}),
+        (COARSE | {"load.bulk_strain": 1e-4}, {"load.mu": 0.5}),
+        (COARSE | {"effects.elastic_slip": 2e-7}, {"load.mu": 0.5}),
+        (COUPLED | PATH | {"effects.elastic_slip": 2e-7}, {"solid.E0": 70e9}),
+    ],
+)
+def test_a_body_is_not_shared_where_the_edges_are_others(keys, changes):
+    """Strain and elastic slip are values of their own: load, modulus and friction do not only scale them."""
+    first = prepared(make_scene(keys), None)
+    other = prepared(make_scene(keys | changes), first)
+    assert other.body is not first.body and other.cells != first.cells
 
 
 def test_a_failed_scene_is_a_row(tmp_path):
