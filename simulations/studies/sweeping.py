@@ -12,6 +12,7 @@ from concurrent.futures import Executor
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from mpi4py import MPI
 
 from ..output.files import write_table
@@ -155,7 +156,7 @@ def compile_forms(items: list[Item]):
             scene = parse(item.values["text"], tuple(item.values["set"]))
             keys, effects = scene.to_keys(), Effects(scene)
             names = ("mesh.degree", "solid.modulus", "indenter.profile", "solver.theta")
-            kind = (*(keys[name] for name in names), scene.k == 0, *(v.on for v in effects.verdicts.values()))
+            kind = (*(keys[name] for name in names), np.sign(scene.k), *(v.on for v in effects.verdicts.values()))
             if kind not in seen:
                 Simulation(MPI.COMM_SELF, scene)
                 seen.add(kind)
