@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from mpi4py import MPI
 
-from .runs import checks, comparison, reference, zigzags
+from .runs import checks, comparison, reference, report_data
 from .runs.history import Entry
 from .runs.simulation import Simulation
 from .scene import DEFAULT_SCENE, Scene, make_scene
@@ -104,12 +104,10 @@ class Result:
 
         Errors are among them beside a closed form, which costs nothing.
         """
-        simulation, found = self.simulation, zigzags.checked(self.simulation)
-        exact = reference.closed_form(simulation) if simulation.effects.has_closed_form else None
-        if exact is None or simulation.scene.reference.kind == "none":
-            return found
-        errors = comparison.compare(simulation.history, exact) | comparison.worst(simulation.history, exact)
-        return found | zigzags.checked_errors(simulation, exact, errors, {})
+        simulation = self.simulation
+        is_known = simulation.effects.has_closed_form and simulation.scene.reference.kind != "none"
+        exact = reference.closed_form(simulation) if is_known else None
+        return report_data.checked(simulation, report_data.compared(simulation, exact) if exact else None)
 
     def errors(self) -> dict[str, float]:
         """Relative deviations from what has the same physics; reference.NoReference where there is none."""

@@ -52,18 +52,44 @@ def find(simulation: Simulation, tell: reference.Tell | None = None) -> Findings
     with simulation.watch("reference"):
         try:
             same = reference.of_same_physics(simulation, tell)
-            exact = _compare(simulation, same, reference.describe(same, simulation))
+            exact = compared(simulation, same, reference.describe(same, simulation))
         except reference.NoReference as reason:
             why_none = f"none: {reason}"
         neglecting, neglected = None, reference.neglected(simulation)
         closed = reference.closed_form(simulation) if neglected and scene.reference.kind != "none" else None
         if closed:
             words = f"closed form, which neglects the {' and the '.join(neglected)} of this run: another problem"
-            neglecting = _compare(simulation, closed, words, tuple(neglected))
+            neglecting = compared(simulation, closed, words, tuple(neglected))
+    return Findings(quantities(simulation), checked(simulation, exact), exact, why_none, neglecting)
+
+
+def compared(
+    simulation: Simulation, other: comparison.Reference, words: str = "", without: tuple[str, ...] = ()
+) -> Comparison:
+    """A finished run beside another solution; words and without: of the ``Comparison``."""
+    history, scales = simulation.history, simulation.scaled.scales
+    deviations = comparison.compare(history, other)
+    last, mine = history.entries[-1], quantities(simulation)
+    left, right = other.contact(last)
+    half_width = (right - left) / 2
+    peak = float(other.pressure(last, last.surface.x).max())
+    values = {"a": half_width * scales.length, "peak_pressure": peak * scales.stress}
+    if "c" in deviations:
+        values["c_over_a"] = other.stick_half_width(last) / half_width
+    if "dissipated_energy" in deviations:
+        energy = other.dissipated_energy()
+        assert energy is not None  # compare has divided by it
+        values["dissipated_energy"] = energy * scales.energy
+    deviations |= {name: mine[name] / value - 1 for name, value in values.items() if name not in deviations}
+    return Comparison(other, words, values, deviations, *comparison.worst_and_own(history, other), without)
+
+
+def checked(simulation: Simulation, exact: Comparison | None) -> dict[str, Check]:
+    """What a finished run is checked for, its errors beside what has the same physics, if there is one, among it."""
     found = zigzags.checked(simulation)
-    if exact:
-        found |= zigzags.checked_errors(simulation, exact.other, exact.deviations | exact.worst, exact.own)
-    return Findings(quantities(simulation), found, exact, why_none, neglecting)
+    if exact is None:
+        return found
+    return found | zigzags.checked_errors(simulation, exact.other, exact.deviations | exact.worst, exact.own)
 
 
 def summary(simulation: Simulation, findings: Findings | None, failure: str | None = None) -> dict:
@@ -125,21 +151,3 @@ def _deviations(kind: str, beside: Comparison | None, values: str) -> dict:
     if beside is None:
         return {}
     return {kind: beside.deviations, f"{kind}_worst_state": beside.worst, values: beside.values}
-
-
-def _compare(simulation: Simulation, other: comparison.Reference, words: str, without=()) -> Comparison:
-    history, scales = simulation.history, simulation.scaled.scales
-    deviations = comparison.compare(history, other)
-    last, mine = history.entries[-1], quantities(simulation)
-    left, right = other.contact(last)
-    half_width = (right - left) / 2
-    peak = float(other.pressure(last, last.surface.x).max())
-    values = {"a": half_width * scales.length, "peak_pressure": peak * scales.stress}
-    if "c" in deviations:
-        values["c_over_a"] = other.stick_half_width(last) / half_width
-    if "dissipated_energy" in deviations:
-        energy = other.dissipated_energy()
-        assert energy is not None  # compare has divided by it
-        values["dissipated_energy"] = energy * scales.energy
-    deviations |= {name: mine[name] / value - 1 for name, value in values.items() if name not in deviations}
-    return Comparison(other, words, values, deviations, *comparison.worst_and_own(history, other), without)

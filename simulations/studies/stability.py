@@ -25,7 +25,6 @@ from ..runs.comparison import compare, worst_and_own
 from ..runs.energy import EnergyMeter, worst_defect
 from ..runs.reference import NoReference, of_same_physics
 from ..runs.simulation import Simulation
-from ..runs.springs import Springs
 from ..scene import Scene, SceneError, make_scene
 from .commandline import make_folders, study_parser
 from .engine import FAILED as NO_ROW
@@ -159,12 +158,10 @@ def _errors(simulation: Simulation, every_state: bool) -> tuple[dict[str, float]
         reference = of_same_physics(simulation)
     except NoReference:
         return {}, {}
-    if isinstance(reference, Springs) or simulation.scene.reference.kind == "half-plane":
-        found = compare(history, reference)
-        largest, own = worst_and_own(history, reference)
-        found |= largest if every_state else {}
-        return found, zigzags.checked_errors(simulation, reference, found, own)
-    return {}, {}
+    found = compare(history, reference)
+    largest, own = worst_and_own(history, reference)
+    found |= largest if every_state else {}
+    return found, zigzags.checked_errors(simulation, reference, found, own)
 
 
 def main(arguments: list[str]):

@@ -18,8 +18,9 @@ from mpi4py import MPI
 from ..output.files import write_table
 from ..output.folder import begin, claimed, is_run_of
 from ..output.results import Results
-from ..runs import comparison, reference, zigzags
+from ..runs import comparison
 from ..runs.plan import Plan
+from ..runs.report_data import Findings, find
 from ..runs.simulation import Simulation
 from ..runs.timing import Stopwatch
 from ..scene import DEFAULT_SCENE, Scene, SceneError, parse
@@ -127,6 +128,7 @@ def run_scene(values: Row) -> Row:
     previous = _kept.pop() if _kept else None
     simulation = prepared(scene, previous)
     del previous
+    findings = None
     if "folder" in values:
         folder = Path(values["folder"])
         with claimed(MPI.COMM_SELF, folder, overwrite=is_run_of(folder, scene)):
@@ -134,9 +136,10 @@ def run_scene(values: Row) -> Row:
             with Results(folder, simulation) as results:
                 for entry in simulation.run():
                     results.record(entry)
+        findings = results.findings  # its reference may take long to solve
     else:
         simulation.run_to_end()
-    row = numbers(simulation)
+    row = numbers(simulation, findings or find(simulation))
     _kept.append(simulation)
     return row | {"seconds": round(time.perf_counter() - start, 3)}
 
@@ -164,27 +167,19 @@ def compile_forms(items: list[Item]):
             continue
 
 
-def numbers(simulation: Simulation) -> Row:
+def numbers(simulation: Simulation, findings: Findings) -> Row:
     """What the table says of a finished scene; SI units."""
-    history, scales = simulation.history, simulation.scaled.scales
-    last = history.entries[-1]
-    row: Row = {"a[m]": last.a * scales.length}
+    history, found, exact = simulation.history, findings.quantities, findings.exact
+    row: Row = {"a[m]": found["a"]}
     if history.friction:
-        row |= {"c_over_a": last.c / last.a, "delta_x[m]": last.surface.delta[0] * scales.displacement}
-        row |= {"dissipated_energy[J/m]": history.dissipated_energy * scales.energy}
-    row |= {"indentation[m]": last.surface.delta[1] * scales.displacement}
-    row |= {"peak_pressure[Pa]": last.surface.pressure.max() * scales.stress}
-    found = zigzags.checked(simulation)
-    try:
-        exact = reference.of_same_physics(simulation)
-        errors = comparison.compare(history, exact)
-        largest, own = comparison.worst_and_own(history, exact)
-        found |= zigzags.checked_errors(simulation, exact, errors | largest, own)
-        row |= {f"error_{name}": value for name, value in errors.items()}
-        row["reference"] = reference.describe(exact, simulation)
-    except reference.NoReference as reason:
-        row["reference"] = f"none: {reason}"
-    broken = [name for name, one in found.items() if not one.holds]
+        shift = history.entries[-1].surface.delta[0] * simulation.scaled.scales.displacement
+        row |= {"c_over_a": found["c_over_a"], "delta_x[m]": shift}
+        row |= {"dissipated_energy[J/m]": found["dissipated_energy"]}
+    row |= {"indentation[m]": found["indentation"], "peak_pressure[Pa]": found["peak_pressure"]}
+    if exact:
+        row |= {f"error_{name}": value for name, value in exact.deviations.items() if name in comparison.QUANTITIES}
+    row["reference"] = exact.words if exact else findings.why_none
+    broken = [name for name, one in findings.checks.items() if not one.holds]
     row |= {"checks": HOLD if not broken else "not held: " + "; ".join(broken)}
     if simulation.warnings:
         row["warnings"] = "; ".join(simulation.warnings)

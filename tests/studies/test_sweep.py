@@ -18,8 +18,9 @@ from solving import coarse_simulation
 
 import simulations.sweep as command
 from simulations import SceneError, sweep
-from simulations.runs import checks, comparison
+from simulations.runs import checks, comparison, reference
 from simulations.runs.reference import closed_form
+from simulations.runs.report_data import find
 from simulations.scene import DEFAULT_SCENE, make_scene, parse
 from simulations.studies import sweeping
 from simulations.studies.sweeping import prepared
@@ -35,7 +36,7 @@ def test_errors_of_every_state_are_checked_as_in_a_single_run(monkeypatch):
     largest = comparison.worst(simulation.history, exact)["traction_l2"]
     assert largest > 2 * last
     monkeypatch.setitem(checks.ERRORS, "traction_l2", (last + largest) / 2)
-    row = sweeping.numbers(simulation)
+    row = sweeping.numbers(simulation, find(simulation))
     assert row["checks"] == "not held: error of traction"
     assert row["error_traction_l2"] == last
 
@@ -205,6 +206,13 @@ def test_folders_of_the_runs(tmp_path):
     for number, row in enumerate(rows_of(tmp_path), start=1):
         summary = json.loads((tmp_path / f"run-{number:04d}" / "summary.json").read_text())
         assert summary["dissipated_energy"] == pytest.approx(float(row["dissipated_energy[J/m]"]), rel=1e-12)
+
+
+def test_the_reference_of_a_folder_is_solved_once(tmp_path, monkeypatch):
+    solved, solve = [], reference.of_same_physics
+    monkeypatch.setattr(reference, "of_same_physics", lambda *given: solved.append(1) or solve(*given))
+    (row,) = sweep(vary={"load.cycles": [0]}, sets=COARSE_SETS, output=tmp_path / "out", folders=True)
+    assert row["reference"].startswith("closed form") and len(solved) == 1
 
 
 def test_scenes_from_a_table(tmp_path):

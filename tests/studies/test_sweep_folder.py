@@ -106,7 +106,7 @@ def test_a_run_of_another_scene_in_the_place_of_one_is_kept(swept, tmp_path):
 def test_checks_that_fail_are_told(tmp_path, monkeypatch):
     """Their scenes have results, so the exit code is that of a single run whose checks fail."""
     numbers = sweeping.numbers
-    monkeypatch.setattr(sweeping, "numbers", lambda simulation: numbers(simulation) | {"checks": "not held: gap >= 0"})
+    monkeypatch.setattr(sweeping, "numbers", lambda *given: numbers(*given) | {"checks": "not held: gap >= 0"})
     with pytest.raises(ChecksFailed, match="^1 of 1 scenes fail their checks: see checks in sweep.csv$"):
         run(tmp_path, "0.2")
     assert friction_of(tmp_path) == [0.2]
