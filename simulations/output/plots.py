@@ -9,15 +9,13 @@ from ..runs.comparison import Reference
 from ..runs.history import Entry, History
 from ..runs.simulation import Simulation
 from ..runs.springs import Springs
-from .files import on_disk
 from .page_words import quantity
-from .style import COLOURS, GREY, MARKERS, in_words, left_out, spread
+from .style import COLOURS, GREY, MARKERS, in_words, left_out, save, spread, style
 
 STYLES = ("-", "--")
 DOTS = 45  # computed points shown a curve
 REACH = 1.15  # drawn part of the surface, over the widest contact
 CONSTANT = 0.999  # of the largest normal load: a smaller one is another load
-LOOKS = {"font.size": 10, "axes.grid": True, "grid.alpha": 0.3, "legend.fontsize": 9, "legend.frameon": False}
 WORST = {"marker": "o", "ms": 9, "mfc": "none", "mec": "k", "mew": 1.0, "ls": "none"}  # a ring around the worst node
 
 
@@ -30,7 +28,7 @@ def plot_run(path: Path, title: str, simulation: Simulation, lines: dict[str, Re
     """
     history = simulation.history
     columns, rows = (3, 2) if history.friction else (1, 1)
-    with plt.rc_context(LOOKS):
+    with style():
         size = (4.7 * columns, 3.8 * rows + 1.5)
         figure, axes = plt.subplots(rows, columns, figsize=size, squeeze=False)
         space = {"top": 1 - 0.9 / size[1], "bottom": 1.3 / size[1], "left": 0.78 / size[0], "right": 1 - 0.2 / size[0]}
@@ -43,11 +41,7 @@ def plot_run(path: Path, title: str, simulation: Simulation, lines: dict[str, Re
             _work(axes[1, 0], simulation, lines)
             _loop(axes[1, 1], axes[1, 2], simulation, lines)
         _legend(figure, simulation, lines)
-        try:
-            with on_disk(path) as partial:
-                figure.savefig(partial, dpi=130)
-        finally:
-            plt.close(figure)
+        save(figure, path.parent, path.stem, ("png",))
 
 
 def _named(history: History) -> list[Entry]:
@@ -86,9 +80,9 @@ def _curves(axis, entry, widest, values, lines, colour, marker="o"):
     """
     surface = entry.surface
     x = np.linspace(-REACH, REACH, 1201) * widest
-    for line, style in zip(lines, STYLES):
+    for line, dashes in zip(lines, STYLES):
         if line:
-            axis.plot(x, line(x), style, color=colour, lw=1)
+            axis.plot(x, line(x), dashes, color=colour, lw=1)
     shown = _thinned(surface.x / widest)
     axis.plot(surface.x[shown], values[shown], marker, ms=3, color=colour)
     if lines and lines[0]:
@@ -160,9 +154,9 @@ def _loop(axis, beside, simulation, lines):
     slope = (shift[high] - shift[low]) / (Q[high] - Q[low]) if Q[high] > Q[low] else 0.0
 
     if simulation.loop and simulation.scene.k > 0:  # elsewhere no closed form has a shift
-        for line, style in zip(lines.values(), STYLES):
+        for line, dashes in zip(lines.values(), STYLES):
             if isinstance(line, Springs):
-                _closed_loop(axis, beside, simulation.loop, unit, style, history.has_cycle)
+                _closed_loop(axis, beside, simulation.loop, unit, dashes, history.has_cycle)
     axis.plot(shift, Q, "o-", ms=4, lw=0.5, color=COLOURS[4])
     beside.plot(Q, shift - shift[low] - slope * (Q - Q[low]), "o-", ms=4, lw=0.5, color=COLOURS[4])
     size = _in_si(unit * simulation.scaled.scales.displacement, "m")
@@ -174,14 +168,14 @@ def _loop(axis, beside, simulation, lines):
     beside.set_title("The same, less the line between its ends")
 
 
-def _closed_loop(axis, beside, loop, unit, style, is_cycle):
+def _closed_loop(axis, beside, loop, unit, dashes, is_cycle):
     branches = ("initial", "unloading", "reloading") if is_cycle else ("initial",)
     end = float(loop.rigid_shift(loop.Q_A, "initial")) / unit
     for branch in branches:
         Q = np.linspace(0.0 if branch == "initial" else -loop.Q_A, loop.Q_A, 201)
         shift = np.array([loop.rigid_shift(q, branch) for q in Q]) / unit
-        axis.plot(shift, Q / loop.mu, style, color=GREY, lw=1)
-        beside.plot(Q / loop.mu, shift - end * Q / loop.Q_A, style, color=GREY, lw=1)
+        axis.plot(shift, Q / loop.mu, dashes, color=GREY, lw=1)
+        beside.plot(Q / loop.mu, shift - end * Q / loop.Q_A, dashes, color=GREY, lw=1)
 
 
 def _legend(figure, simulation, lines):
@@ -205,7 +199,8 @@ def _legend(figure, simulation, lines):
         shown = left_out(len(_states(history)), len(_named(history)))
         symbols = r"$f(a)$: height of the indenter at $x = a$;  $\alpha$: equation (37)"
         note = ";  ".join(filter(None, (note, symbols, shown)))
-    figure.legend(handles=handles, loc="lower center", ncols=5 if history.friction else 2, title=note, title_fontsize=9)
+    columns = 5 if history.friction else 2
+    figure.legend(handles=handles, loc="lower center", ncols=columns, title=note, title_fontsize=9, fontsize=9)
 
 
 def _thinned(x):

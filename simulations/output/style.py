@@ -20,6 +20,7 @@ FONTS = {
     "font.size": 11,
     "axes.titlesize": 11,
     "legend.fontsize": 9.5,
+    "legend.frameon": False,
     "mathtext.fontset": "dejavusans",
     "axes.grid": True,
     "grid.alpha": 0.3,
@@ -90,11 +91,13 @@ def panels(columns: int, title: str, note: str, rows: int = 1, width: float = 5.
     return figure, axes
 
 
-def save(figure, folder: Path, name: str) -> list[Path]:
-    """NAME.pdf and NAME.png in ``folder``, each whole or not at all; the figure is closed."""
-    paths = [folder / f"{name}.{kind}" for kind in ("pdf", "png")]
-    for path in paths:
-        with on_disk(path) as partial:
-            figure.savefig(partial, dpi=PIXELS_PER_INCH)
-    plt.close(figure)
+def save(figure, folder: Path, name: str, kinds: tuple[str, ...] = ("pdf", "png")) -> list[Path]:
+    """NAME.pdf and NAME.png in ``folder``, or other ``kinds``, each whole or not at all; the figure is closed."""
+    paths = [folder / f"{name}.{kind}" for kind in kinds]
+    try:
+        for path in paths:
+            with on_disk(path) as partial:
+                figure.savefig(partial, dpi=PIXELS_PER_INCH)
+    finally:
+        plt.close(figure)
     return paths

@@ -14,7 +14,7 @@ from analytic import GradedHalfPlane, HalfPlaneContact, PowerLawKernel, PowerPro
 
 from ..command.command import comm, on_root, run, say
 from ..output.files import write_table
-from ..output.style import RED
+from ..output.style import RED, save, style
 from .commandline import read_map
 from .engine import FAILED, Item, Row, run_all, workers
 from .store import Store
@@ -107,7 +107,7 @@ def _interpolated(rows, name, mu, k, nu, fine_k, fine_nu):
 
 def _draw(folder, rows, k, nu):
     holl, fine_k, fine_nu = np.linspace(0, K[1], 101), np.linspace(*K, 121), np.linspace(*NU, 101)
-    with plt.rc_context({"font.size": 11}):
+    with style():
         figure, axes = plt.subplots(
             len(FRICTION), len(SHOWN), figsize=(13, 9), sharex=True, sharey=True, layout="constrained"
         )
@@ -119,6 +119,7 @@ def _draw(folder, rows, k, nu):
                 axis.contour(fine_k, fine_nu, np.log10(share), levels=[0.0], colors="white", linewidths=1.5)
                 axis.plot(holl, 1 / (2 + holl), color=RED, lw=2, ls="--")
                 axis.set(xlim=K, ylim=NU)
+                axis.grid(False)
         for axis, name in zip(axes[0], SHOWN.values(), strict=True):
             axis.set_title(f"change of {name}")
         for axis, mu in zip(axes[:, 0], FRICTION, strict=True):
@@ -129,9 +130,7 @@ def _draw(folder, rows, k, nu):
         bar = figure.colorbar(filled, ax=axes, ticks=np.log10(LEVELS), pad=0.02, aspect=40)
         bar.ax.set_yticklabels([f"{level:g}" for level in LEVELS])
         bar.set_label("relative change by coupling [%]   (white line: 1 %, dashed: ν = 1/(2+k))")
-        for suffix in ("png", "svg"):
-            figure.savefig(folder / f"coupling.{suffix}", dpi=130)
-        plt.close(figure)
+        save(figure, folder, "coupling", ("png", "svg"))
 
 
 if __name__ == "__main__":

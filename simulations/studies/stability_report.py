@@ -104,6 +104,11 @@ def _largest(cases, name):
 
 def picture(path: Path, rows: list[dict]):
     """PNG: a row of dots a study, one a case, by how it ended; and the iterations that a load step took."""
+    with style.style():
+        style.save(_picture(rows), path.parent, path.stem, ("png",))
+
+
+def _picture(rows):
     studies = by_study(rows)
     height = 0.28 * len(studies) + 1.6
     figure, (left, right) = plt.subplots(
@@ -130,7 +135,6 @@ def picture(path: Path, rows: list[dict]):
     left.invert_yaxis()
     left.set(xlabel="case of the study [–]", title="How each case ended")
     right.set(xlabel="Newton iterations per increment [–]", title="What it took", xscale="log")
-    right.grid(alpha=0.3)
-    figure.legend(*left.get_legend_handles_labels(), loc="outside lower center", ncols=3, fontsize=9, frameon=False)
-    figure.savefig(path, dpi=140)
-    plt.close(figure)
+    left.grid(False)
+    figure.legend(*left.get_legend_handles_labels(), loc="outside lower center", ncols=3, fontsize=9)
+    return figure

@@ -6,26 +6,17 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.ticker import NullFormatter
 
-from ...output.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, RED, SKY
+from ...output.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, RED, SKY, save, style
 
-COLOURS = {
-    "default": BLUE,
-    "k=-0.5": RED,
-    "k=0": GREEN,
-    "k=0.7": PURPLE,
-    "peer": SKY,
-    "GetFEM": BLACK,
+UNCOUPLED = {  # colour, marker and name
+    "default": (BLUE, "o", "k = 0.3, Holl ratio"),
+    "k=-0.5": (RED, "s", "k = −0.5"),
+    "k=0": (GREEN, "^", "k = 0"),
+    "k=0.7": (PURPLE, "D", "k = 0.7"),
+    "peer": (SKY, "v", "k = 0, ν = 0.495, coupled"),
+    "GetFEM": (BLACK, "X", "GetFEM, the same loop"),
 }
-MARKERS = {"default": "o", "k=-0.5": "s", "k=0": "^", "k=0.7": "D", "peer": "v", "GetFEM": "X"}
-NAMES = {
-    "default": "k = 0.3, Holl ratio",
-    "k=-0.5": "k = −0.5",
-    "k=0": "k = 0",
-    "k=0.7": "k = 0.7",
-    "peer": "k = 0, ν = 0.495, coupled",
-    "GetFEM": "GetFEM, the same loop",
-}
-WITH_COUPLING = {  # colour, marker and name
+WITH_COUPLING = {
     "coupled k=-0.5": (RED, "s", "k = −0.5, ν = 0.3"),
     "coupled k=-0.25": (PURPLE, "<", "k = −0.25, ν = 0.3"),
     "coupled k=0": (GREEN, "^", "k = 0, ν = 0.3"),
@@ -56,13 +47,9 @@ def draw(rows: list[dict], folder: Path) -> list[Path]:
         ("pareto", pareto),
         ("coupled", coupled),
     ):
-        drawn = figure(rows)
-        if drawn is None:
-            continue
-        for ending in ("png", "svg"):
-            written.append(folder / f"{name}.{ending}")
-            drawn.savefig(written[-1], dpi=160)
-        plt.close(drawn)
+        with style():
+            drawn = figure(rows)
+            written += [] if drawn is None else save(drawn, folder, name, ("png", "svg"))
     return written
 
 
@@ -70,7 +57,7 @@ def work_precision(rows):
     """Error against seconds for each quantity, fineness by fineness."""
     lines = {
         p: _sorted([r for r in rows if r["study"] in ("fineness", "peer") and r["problem"] == p], "cpu_s")
-        for p in NAMES
+        for p in UNCOUPLED
     }
     lines = {problem: line for problem, line in lines.items() if line}
     if not lines:
@@ -80,13 +67,12 @@ def work_precision(rows):
         for problem, line in lines.items():
             points = [(row["cpu_s"], max(row[quantity], FLOOR)) for row in line if row.get(quantity, "") != ""]
             if points:
-                style = {"color": COLOURS[problem], "marker": MARKERS[problem], "label": NAMES[problem]}
-                axis.loglog(*zip(*points), markersize=5, linewidth=1.2, **style)
+                colour, marker, label = UNCOUPLED[problem]
+                axis.loglog(*zip(*points), marker + "-", color=colour, label=label)
         axis.set(title=name, xlabel="CPU time [s]")
-        axis.grid(True, which="major", alpha=0.3)
     axes[0].set_ylabel("relative error [-]")
     handles, labels = max((axis.get_legend_handles_labels() for axis in axes), key=lambda pair: len(pair[0]))
-    figure.legend(handles, labels, loc="outside lower center", ncols=len(labels), frameon=False)
+    figure.legend(handles, labels, loc="outside lower center", ncols=len(labels))
     return figure
 
 
@@ -102,13 +88,12 @@ def coupled(rows):
         for problem, line in lines.items():
             colour, marker, label = WITH_COUPLING[problem]
             points = [(row["cpu_s"], max(row[quantity], FLOOR)) for row in line]
-            axis.loglog(*zip(*points), marker + "-", color=colour, label=label, markersize=5, linewidth=1.2)
+            axis.loglog(*zip(*points), marker + "-", color=colour, label=label)
         axis.set(xlabel="CPU time of the whole loop [s]")
-        axis.grid(True, which="major", alpha=0.3)
     axes[0].set(title="q, worst state of the cycle", ylabel="relative error [-]")
     axes[1].set(title="energy of the cycle")
     handles, labels = axes[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=4, fontsize=8, frameon=False)
+    figure.legend(handles, labels, loc="outside lower center", ncols=4, fontsize=8)
     return figure
 
 
@@ -117,7 +102,7 @@ def rates(rows):
     found = [row for row in rows if row["study"] == "degree"]
     if not found:
         return None
-    problems = [problem for problem in NAMES if any(row["problem"] == problem for row in found)]
+    problems = [problem for problem in UNCOUPLED if any(row["problem"] == problem for row in found)]
     figure, axes = plt.subplots(
         1, len(problems), figsize=(3.3 * len(problems), 3.6), sharey=True, layout="constrained", squeeze=False
     )
@@ -143,12 +128,11 @@ def rates(rows):
                     color=line.get_color(),
                 )
                 axis.loglog(h, error[-1] * (h / h[-1]) ** int(degree), ":", color=line.get_color(), linewidth=1)
-        axis.set(title=NAMES[problem], xlabel="facet / a [-]")
+        axis.set(title=UNCOUPLED[problem][-1], xlabel="facet / a [-]")
         axis.xaxis.set_minor_formatter(NullFormatter())
-        axis.grid(True, alpha=0.3)
     axes[0][0].set_ylabel("relative error of p (L2) [-]")
     axes[0][0].plot([], [], "k:", label="order = degree")
-    axes[0][0].legend(frameon=False, fontsize=8)
+    axes[0][0].legend(fontsize=8)
     return figure
 
 
@@ -157,7 +141,7 @@ def sources(rows):
     mesh.
     """
     found = {(row["problem"], row["level"]): row for row in rows if row["study"] == "one at a time"}
-    problems = [problem for problem in NAMES if (problem, "centre") in found]
+    problems = [problem for problem in UNCOUPLED if (problem, "centre") in found]
     if not problems:
         return None
     figure, axes = plt.subplots(
@@ -173,12 +157,12 @@ def sources(rows):
         axis.plot(
             np.arange(len(QUANTITIES)), [centre[q] for q in QUANTITIES], "k_", markersize=26, label="error itself"
         )
-        axis.set(title=NAMES[problem], yscale="log", ylim=(FLOOR, 1e-1))
+        axis.set(title=UNCOUPLED[problem][-1], yscale="log", ylim=(FLOOR, 1e-1))
         axis.set_xticks(np.arange(len(QUANTITIES)), QUANTITIES.values())
-        axis.grid(True, axis="y", alpha=0.3)
+        axis.grid(False, axis="x")
     axes[0][0].set_ylabel("change of the relative error [-]")
     handles, labels = axes[0][0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=3, fontsize=8, frameon=False)
+    figure.legend(handles, labels, loc="outside lower center", ncols=3, fontsize=8)
     return figure
 
 
@@ -186,9 +170,7 @@ def pareto(rows):
     """Largest error against seconds: every case of one rank, and those that nothing beats in both."""
     studies = ("fineness", "degree", "one at a time", "method", "peer")
     rows = [row for row in rows if row["study"] in studies]
-    problems = [
-        problem for problem in COLOURS if any(row["problem"] == problem for row in rows) and problem != "GetFEM"
-    ]
+    problems = [p for p in UNCOUPLED if any(row["problem"] == p for row in rows) and p != "GetFEM"]
     if not problems:
         return None
     figure, axis = plt.subplots(figsize=(6.4, 5.0), layout="constrained")
@@ -196,17 +178,18 @@ def pareto(rows):
         mine = [row for row in rows if row["problem"] == problem and row["ranks"] == 1]
         points = sorted((row["cpu_s"], row["largest"]) for row in mine)
         if points:
-            axis.loglog(*zip(*points), MARKERS[problem], color=COLOURS[problem], alpha=0.3, markersize=4)
+            colour, marker, label = UNCOUPLED[problem]
+            axis.loglog(*zip(*points), marker, color=colour, alpha=0.3, markersize=4)
             front = [
                 point for i, point in enumerate(points) if point[1] < min((p[1] for p in points[:i]), default=np.inf)
             ]
-            axis.loglog(*zip(*front), MARKERS[problem] + "-", color=COLOURS[problem], label=NAMES[problem])
+            axis.loglog(*zip(*front), marker + "-", color=colour, label=label)
     peer = [(row["cpu_s"], row["largest"]) for row in rows if row["problem"] == "GetFEM"]
     if peer:
-        axis.loglog(*zip(*sorted(peer)), MARKERS["GetFEM"] + "--", color=COLOURS["GetFEM"], label=NAMES["GetFEM"])
+        colour, marker, label = UNCOUPLED["GetFEM"]
+        axis.loglog(*zip(*sorted(peer)), marker + "--", color=colour, label=label)
     axis.set(xlabel="CPU time of the whole loop [s]", ylabel="largest of the errors of p, q, slip, a, c, ΔW [-]")
-    axis.grid(True, alpha=0.3)
-    figure.legend(loc="outside lower center", ncols=2, fontsize=8, frameon=False)
+    figure.legend(loc="outside lower center", ncols=2, fontsize=8)
     return figure
 
 
