@@ -125,7 +125,7 @@ def is_run_of(folder: Path, scene: Scene) -> bool:
 def writable(folder: Path, option: str = "--output") -> Path:
     """``folder``, made where it is missing; SceneError, and nothing left of it, where results cannot be written."""
     try:
-        missing = [parent for parent in (folder, *folder.parents) if not parent.exists()]
+        missing = _missing(folder)
         try:
             folder.mkdir(parents=True, exist_ok=True)
             probe = folder / ".write-test"
@@ -148,7 +148,7 @@ class _Claim:
     """Rank 0's hold on the folder."""
 
     def __init__(self, folder: Path, scene_file: Path | None, overwrite: bool, resume: bool):
-        self._missing = [] if resume else [place for place in (folder, *folder.parents) if not place.exists()]
+        self._missing = [] if resume else _missing(folder)
         option = "--resume" if resume else "--output"
         writable(folder, option)
         try:
@@ -170,6 +170,12 @@ class _Claim:
     def release(self):
         self._lock.release()
         _remove_empty(self._missing)
+
+
+def _missing(folder):
+    """The folder and its parents, as far as they are not there."""
+    # os.path, as pathlib raises for a name that is too long
+    return [place for place in (folder, *folder.parents) if not os.path.exists(place)]
 
 
 def _remove_empty(folders):

@@ -182,6 +182,11 @@ def test_a_folder_that_cannot_be_made(tmp_path, ranks):
     assert done.stderr.count("\n") == 1 and "cannot be written: Not a directory" in done.stderr
 
 
+def test_a_name_that_is_too_long(tmp_path):
+    assert "cannot be written: File name too long" in refusal(arguments(tmp_path / ("x" * 300) / "run"))
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_a_read_only_file_system():
     with pytest.raises(SceneError, match="--output /proc/run cannot be written"):
         writable(ROOT.__class__("/proc/run"))
