@@ -12,7 +12,7 @@ from .fem import parallel
 from .loading.stepping import SolveError
 from .output import checkpoint
 from .output.files import OutputError
-from .output.folder import begin, claimed, files, refuse_changed
+from .output.folder import begin, claimed, files, go_on, refuse_changed
 from .output.results import Results
 from .runs.checks import Check, ChecksFailed
 from .runs.estimate import coarser, estimated, expectation, measured
@@ -67,6 +67,7 @@ def prepare(request: Request, progress: Progress) -> Simulation:
     simulation = Simulation(comm, request.scene, saved.cells if saved else None, watch=watch)
     if saved:
         checkpoint.restore(saved, simulation)
+        parallel.on_root(comm, lambda: go_on(request.output), OutputError)
     else:
         parallel.on_root(comm, lambda: begin(request.output, request.scene), OutputError)
     return simulation

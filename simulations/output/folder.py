@@ -28,7 +28,8 @@ from .lock import Lock
 
 MOVED = Path("/opt/stack/moved.txt")  # of the image: packages whose recorded version the archive no longer had
 FILES = (SCENE, "history.csv", "surface.h5", field_index.XDMF, field_index.VTKHDF, "summary.json", "fretting.png")
-OTHERS = (lines.NAME, "report.html")  # where they are asked for
+REPORT = "report.html"
+OTHERS = (lines.NAME, REPORT)  # where they are asked for
 FOLDERS = (checkpoint.FOLDER, field_index.FOLDER)
 PROBE = 1 << 18  # bytes that have to fit into the folder before a run begins
 HEADER, CHECKSUM = "# graded-fretting ", "# checksum "  # lines of a scene.toml that a run wrote
@@ -88,6 +89,14 @@ def begin(folder: Path, scene: Scene):
         text = scene.to_toml()
         made_with = "".join(f"# {name} {version}\n" for name, version in versions().items())
         write_text(folder / SCENE, f"{made_with}{CHECKSUM}{_checksum(text)}\n{text}")
+    except OSError as error:
+        raise OutputError(f"{folder} cannot be written: {error.strerror or error}; start again") from None
+
+
+def go_on(folder: Path):
+    """Take away the report of a run that is about to go on: it says that the run did not reach its end."""
+    try:
+        (folder / REPORT).unlink(missing_ok=True)
     except OSError as error:
         raise OutputError(f"{folder} cannot be written: {error.strerror or error}; start again") from None
 

@@ -91,6 +91,14 @@ def test_what_a_resumed_run_reports_of_earlier_increments(stopped, uninterrupted
     assert {name: c["limit"] for name, c in checks[0].items()} == {name: c["limit"] for name, c in checks[1].items()}
 
 
+def test_the_report_of_a_run_that_goes_on_is_taken_away(stopped):
+    """It says that the run did not reach its end."""
+    report.main([str(stopped)])
+    assert (stopped / "report.html").exists()
+    fretting.main(["--resume", str(stopped), "--quiet"])
+    assert not (stopped / "report.html").exists()
+
+
 def test_a_folder_without_a_run_is_refused(tmp_path, capfd):
     assert "is not the folder of a run" in refusal(capfd, "--resume", tmp_path)
     assert "is not the folder of a run" in refusal(capfd, "--resume", tmp_path / "absent")
