@@ -186,9 +186,16 @@ def is_complete(folder: Path) -> bool:
 
 
 def failing_checks(folder: Path, wanted: tuple[str, ...]) -> list[str]:
-    """Names of the checks that a complete run does not pass, and of those ``wanted`` that were not made."""
-    made = _summary(folder).get("checks", {})
-    return [name for name, check in made.items() if not check["holds"]] + [name for name in wanted if name not in made]
+    """Names of the checks that a complete run does not pass, and of those ``wanted`` that were not made.
+
+    SceneError where its summary does not tell.
+    """
+    try:
+        made = {name: check["holds"] for name, check in _summary(folder)["checks"].items()}
+    except (AttributeError, KeyError, TypeError):
+        why = "the checks in summary.json are not as the run wrote them; it was changed afterwards"
+        raise SceneError(f"--resume {folder}: {why}") from None
+    return [name for name, holds in made.items() if not holds] + [name for name in wanted if name not in made]
 
 
 def _summary(folder) -> dict:

@@ -56,6 +56,14 @@ def test_a_scene_changed_since_is_refused(stopped, uninterrupted, tmp_path, capf
     assert not (ended / "report.html").exists()
 
 
+@pytest.mark.parametrize("checks", [None, {"x": {}}, {"x": None}, [1]])
+def test_a_summary_whose_checks_were_changed_is_refused(uninterrupted, tmp_path, capfd, checks):
+    folder = shutil.copytree(uninterrupted, tmp_path / "ended")
+    summary = json.loads((folder / "summary.json").read_text())
+    (folder / "summary.json").write_text(json.dumps(summary | {"checks": checks}))
+    assert "the checks in summary.json are not as the run wrote them" in refusal(capfd, "--resume", folder)
+
+
 DAMAGE = {
     "nonsense": ("memory.npz", lambda old: b"PK\3\4 nonsense", "not a zip file"),
     "empty": ("memory.npz", lambda old: b"", "No data left"),
