@@ -21,13 +21,17 @@ from ..fem.surface import SurfaceState
 from ..loading.stepping import Outcome
 from ..runs import memory
 from ..runs.history import Entry
+from ..runs.plan import Plan
 from ..runs.simulation import Simulation
+from ..runs.timing import Stopwatch
 from ..scene import Scene, SceneError, one_line, parse, shown
 from ..solvers.newton import NewtonResult
 from ..version import __version__
+from .fields import first_lost
 from .files import on_disk
 
 FOLDER, SCENE = "checkpoint", "scene.toml"
+AGAIN = "start again, in another folder or with --overwrite"
 SURFACE = ("pressure", "traction", "u", "delta", "neglected", "elastic")  # of a SurfaceState
 SCALARS = ("iterations", "cuts", "unsettled", "residual", "seconds", "tolerance")
 
@@ -137,6 +141,9 @@ def load(folder: Path) -> Saved:
         raise _refusal(folder, "states.bin is not as it was written")
     if str(kept["scene"]) != scene.to_toml():
         raise SceneError(f"--resume {folder}: {SCENE} is not the scene of the checkpoint; it was changed afterwards")
+    lost = first_lost(folder, Plan(scene, Stopwatch()).schedule, scene.output, number)
+    if lost:
+        raise SceneError(f"--resume {folder}: {lost} is missing; {AGAIN}")
     cells = {name: value.tolist() for name, value in _part(kept, "cells").items()}
     return Saved(
         scene,
@@ -159,8 +166,7 @@ def read_scene(folder: Path) -> Scene:
 
 
 def _refusal(folder, why) -> SceneError:
-    again = "start again, in another folder or with --overwrite"
-    return SceneError(f"--resume {folder}: the checkpoint cannot be read: {one_line(why)}; {again}")
+    return SceneError(f"--resume {folder}: the checkpoint cannot be read: {one_line(why)}; {AGAIN}")
 
 
 def restore(saved: Saved, simulation: Simulation):

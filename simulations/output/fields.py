@@ -15,6 +15,24 @@ from .files import hdf5
 from .lines import Lines
 
 
+def kept(schedule: list[LoadStep], output: Output) -> dict[int, str]:
+    """The load steps whose fields are kept, and the names of their states; "" for one without a name."""
+    found, wanted = {}, output.states
+    for number, step in enumerate(schedule):
+        pressing = number + 1 < len(schedule) and schedule[number + 1].branch == NORMAL
+        name = NORMAL if step.branch == NORMAL and not pressing else step.state
+        if wanted == "all" or name and (wanted == "named" or name in wanted):
+            found[number] = name
+    return found
+
+
+def first_lost(folder: Path, schedule: list[LoadStep], output: Output, done: int) -> str | None:
+    """The first file that is missing of the fields of the first ``done`` load steps."""
+    files = [file_name(number) for number in kept(schedule, output) if number < done]
+    names = [f"{FOLDER}/{name}" for name in ([f"{MESH}.h5", *files] if files else [])]
+    return next((name for name in names if not (folder / name).is_file()), None)
+
+
 class FieldWriter:
     """fields/*.h5 with their indices, and lines.csv, of the states and fields that ``output`` asks for; SI units.
 
@@ -29,22 +47,15 @@ class FieldWriter:
         self.folder, self.scaled, self.schedule, self.nu = folder, scaled, schedule, nu
         self.names = output.kept
         self.times = load_parameter(schedule)
-        self._wanted = output.states
+        self._kept = kept(schedule, output)
         self._sampler = BodySampler(numbering)
         nodes = numbering.shape[0] * numbering.shape[1]
         self._index = FieldIndex(folder, numbering.body.degree, nodes, numbering.cells, self.names)
         self._lines = Lines(folder, output, self.names)
 
-    def state(self, number: int) -> str:
-        """Name of the state of a load step; "" where it has none."""
-        step = self.schedule[number]
-        pressing = number + 1 < len(self.schedule) and self.schedule[number + 1].branch == NORMAL
-        return NORMAL if step.branch == NORMAL and not pressing else step.state
-
     def wants(self, number: int) -> bool:
         """Whether the fields of a load step are kept."""
-        name = self.state(number)
-        return self._wanted == "all" or bool(name) and (self._wanted == "named" or name in self._wanted)
+        return number in self._kept
 
     def write(self, number: int):
         """Keep the present state as that of load step ``number``."""
@@ -62,7 +73,7 @@ class FieldWriter:
         fields |= self._stresses(sample.mean_stress(), sample.depth.y(s)[:, None])
         with hdf5(self.folder / FOLDER / file_name(number)) as file:
             step, scales = self.schedule[number], self.scaled.scales
-            file.attrs["load_step"], file.attrs["state"] = number, self.state(number)
+            file.attrs["load_step"], file.attrs["state"] = number, self._kept[number]
             file.attrs["branch"], file.attrs["load_parameter"] = step.branch, self.times[number]
             file.attrs["P"], file.attrs["Q"] = step.P * scales.line_load, step.Q * scales.line_load
             for name in self.names:
@@ -77,7 +88,7 @@ class FieldWriter:
 
         Each has all states: a run that wrote them at every state would spend its time on them.
         """
-        numbers = [number for number in range(done) if self.wants(number)]
+        numbers = [number for number in self._kept if number < done]
         if numbers:
             self._index.write(numbers, [float(self.times[n]) for n in numbers])
             self._lines.write(numbers)

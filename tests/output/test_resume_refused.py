@@ -85,6 +85,16 @@ def test_damaged_checkpoint_is_refused(stopped, capfd, name, damaged, why):
     assert contents(stopped) == before
 
 
+@pytest.mark.parametrize("name", ["mesh.h5", "000000.h5"])
+def test_a_run_whose_fields_are_gone_is_refused(stopped, capfd, monkeypatch, name):
+    """Before the mesh is made: its results would refer to a file that does not exist."""
+    monkeypatch.setattr(fretting, "Simulation", None)
+    (stopped / "fields" / name).unlink()
+    before = contents(stopped)
+    assert f"fields/{name} is missing; start again" in refusal(capfd, "--resume", stopped)
+    assert contents(stopped) == before
+
+
 def test_the_checkpoint_of_another_version_is_refused(stopped, capfd, monkeypatch):
     monkeypatch.setattr("simulations.output.checkpoint.__version__", "9.9.9")
     assert "graded-fretting 0.1.0 made it, and this is 9.9.9" in refusal(capfd, "--resume", stopped)
