@@ -17,6 +17,7 @@ from ..scene import SceneError, shown
 
 NAME = "run.lock"
 BEAT = 15.0
+FIRST_NAMESPACE = "pid:[4026531836]"  # of processes outside every container: the same number in every Linux kernel
 SILENT = 600.0  # one factorisation of the largest mesh may hold a sign of life up for minutes
 
 
@@ -88,7 +89,9 @@ class Lock:
 
     def _refusal(self) -> str:
         owner, age = self._owner(), max(time.time() - os.fstat(self._file).st_mtime, 0.0)
-        who = f"process {owner.get('pid', '?')} on {owner.get('host', '?')}, begun {owner.get('started', '?')}"
+        pid = owner.get("pid", "?")
+        who = "a process in a container" if pid is None else f"process {pid}"
+        who += f" on {owner.get('host', '?')}, begun {owner.get('started', '?')}"
         return (
             f"{shown(self._path.parent)} is locked: {who}, writes into it (last sign of life {age:.0f} s ago; the lock "
             f"ends with that process, or after {SILENT:.0f} s without one)"
@@ -102,7 +105,15 @@ class Lock:
 
 def _myself() -> dict:
     started = time.strftime("%Y-%m-%d %H:%M:%S")
-    return {"host": socket.gethostname(), "pid": os.getpid(), "started": started, "boot": _boot()}
+    # in a container the number is that of another process to those outside, who would end the wrong one
+    pid = os.getpid() if _pid_namespace() == FIRST_NAMESPACE else None
+    return {"host": socket.gethostname(), "pid": pid, "started": started, "boot": _boot()}
+
+
+def _pid_namespace() -> str:
+    with suppress(OSError):
+        return os.readlink("/proc/self/ns/pid")
+    return ""
 
 
 def _boot() -> str:

@@ -134,13 +134,25 @@ def test_a_lock_ends_with_its_owner(tmp_path):
         env=os.environ | {"PYTHONPATH": str(ROOT)},
     )
     process.stdout.readline()
-    with pytest.raises(Locked, match=f"process {process.pid} on "):
+    with pytest.raises(Locked, match=f"process ({process.pid}|in a container) on "):
         Lock(tmp_path)
     process.kill()
     process.wait()
     assert (tmp_path / lock.NAME).exists()
     Lock(tmp_path).release()
     assert not (tmp_path / lock.NAME).exists()
+
+
+@pytest.mark.parametrize(
+    "namespace, who", [("pid:[1]", "a process in a container"), (lock.FIRST_NAMESPACE, f"process {os.getpid()}")]
+)
+def test_the_number_of_a_locks_owner_in_a_container_is_not_told(tmp_path, monkeypatch, namespace, who):
+    """On the host it is that of another process."""
+    monkeypatch.setattr(lock, "_pid_namespace", lambda: namespace)
+    held = Lock(tmp_path)
+    with pytest.raises(Locked, match=f"locked: {who} on "):
+        Lock(tmp_path)
+    held.release()
 
 
 def test_a_lock_of_another_machine_lives_as_long_as_it_is_touched(tmp_path):
