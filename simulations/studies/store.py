@@ -23,9 +23,13 @@ class Store:
         return f"{name} #{hashlib.sha256(text.encode()).hexdigest()[:16]}"
 
     def is_own(self) -> bool:
-        """Whether every line is one that ``keep`` wrote, or the beginning of one; also where there is no file."""
+        """Whether ``keep`` wrote a line of it, or the beginning of one; also where there is no file.
+
+        Another line in it does not count: a power cut may leave zeros behind what was written.
+        """
         text = self.path.read_text(encoding="utf-8", errors="replace") if self.path.exists() else ""
-        return all(line.startswith(START) or START.startswith(line) for line in text.splitlines())
+        lines = text.splitlines()
+        return any(line.startswith(START) for line in lines) or all(START.startswith(line) for line in lines)
 
     def read(self) -> dict[str, dict[str, Any]]:
         """Every finished row by key."""

@@ -26,8 +26,8 @@ def take(folder: Path, items: Iterable[Item], overwrite: bool) -> Store:
     run = next((name for name in FILES if (folder / name).exists()), None)
     if run:
         raise SceneError(f"{start}it holds {run}, of a single run; choose another folder")
-    if not store.is_own() or (table.exists() and not store.path.exists()):
-        stranger = TABLE if table.exists() else KEPT
+    stranger = KEPT if not store.is_own() else TABLE if table.exists() and not store.path.exists() else None
+    if stranger:
         raise SceneError(f"{start}it holds {stranger}, which no sweep wrote; choose another folder")
     if store.read().keys() - {Store.key(item.name, item.values) for item in items} and not overwrite:
         raise SceneError(f"{start}it holds another sweep; --overwrite replaces it, --output DIR keeps both")

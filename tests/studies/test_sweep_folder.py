@@ -62,6 +62,27 @@ def test_a_run_whose_folder_is_gone_is_run_again(tmp_path):
     assert rows_of(tmp_path)[0] == before[0]
 
 
+@pytest.mark.parametrize("tail", [b"\0\0\0", b"my notes\n"])
+def test_a_line_of_another_hand_does_not_hide_the_finished_rows(tmp_path, monkeypatch, tail):
+    """Zeros are what a power cut may leave."""
+    run(tmp_path, "0.2,0.25")
+    with (tmp_path / "sweep.jsonl").open("ab") as file:
+        file.write(tail)
+    solved = []
+    run_scene = sweeping.run_scene
+    monkeypatch.setattr(sweeping, "run_scene", lambda values: solved.append(values["set"][-1]) or run_scene(values))
+    for _ in range(2):
+        run(tmp_path, "0.2,0.25,0.3")
+        assert solved == ["load.mu=0.3"] and friction_of(tmp_path) == [0.2, 0.25, 0.3]
+
+
+def test_the_file_of_another_hand_is_the_one_that_is_named(tmp_path):
+    run(tmp_path, "0.2")
+    (tmp_path / "sweep.jsonl").write_text("my notes\n")
+    with pytest.raises(SceneError, match="it holds sweep.jsonl, which no sweep wrote"):
+        run(tmp_path, "0.2")
+
+
 def test_what_overwrite_replaces(tmp_path):
     run(tmp_path, "0.2,0.25", "--folders")
     (tmp_path / "run-0002" / "notes.txt").write_text("mine")
