@@ -45,6 +45,12 @@ class Item:
     name: str
     values: dict[str, Any]
 
+    @property
+    def key(self) -> str:
+        """Of its row in a store. Of the folder only the name counts: where it lies changes no run, and may change."""
+        folder = {"folder": Path(self.values["folder"]).name} if "folder" in self.values else {}
+        return Store.key(self.name, self.values | folder)
+
 
 @contextmanager
 def workers(comm: MPI.Comm) -> Iterator[Executor | None]:
@@ -83,14 +89,14 @@ def run_all(
     """
     items = list(items)
     kept = store.read() if store else {}
-    rows = {n: kept[_key(item)] for n, item in enumerate(items) if _key(item) in kept and _is_there(item)}
+    rows = {n: kept[item.key] for n, item in enumerate(items) if item.key in kept and _is_there(item)}
     progress = _Progress(len(items), len(rows), tell)
 
     def finish(number: int, row: Row):
         rows[number] = row
         if store and FAILED not in row:
             try:
-                store.keep(_key(items[number]), items[number].values, row)
+                store.keep(items[number].key, items[number].values, row)
             except OSError as error:
                 reason = f"{store.path} cannot be written: {error.strerror or error}"
                 raise OutputError(f"{reason}; {GO_ON}") from None
@@ -129,10 +135,6 @@ def _share(waiting: dict[Future, int], attempt: Callable[[int], Row], finish: Ca
     finally:
         for future in waiting:
             future.cancel()
-
-
-def _key(item: Item) -> str:
-    return Store.key(item.name, item.values)
 
 
 def _is_there(item: Item) -> bool:

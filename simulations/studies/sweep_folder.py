@@ -29,7 +29,7 @@ def take(folder: Path, items: Iterable[Item], overwrite: bool) -> Store:
     stranger = KEPT if not store.is_own() else TABLE if table.exists() and not store.path.exists() else None
     if stranger:
         raise SceneError(f"{start}it holds {stranger}, which no sweep wrote; choose another folder")
-    if store.read().keys() - {Store.key(item.name, item.values) for item in items} and not overwrite:
+    if store.read().keys() - {item.key for item in items} and not overwrite:
         raise SceneError(f"{start}it holds another sweep; --overwrite replaces it, --output DIR keeps both")
     try:
         folder.mkdir(parents=True, exist_ok=True)

@@ -50,6 +50,17 @@ def test_a_larger_sweep_goes_on(swept, monkeypatch):
     assert solved == ["load.mu=0.3"] and friction_of(swept) == [0.2, 0.25, 0.3]
 
 
+def test_a_sweep_that_was_moved_goes_on(tmp_path, monkeypatch):
+    """Also where its folder is named in another way."""
+    run(tmp_path / "one", "0.2", "--folders")
+    (tmp_path / "one").rename(tmp_path / "two")
+    monkeypatch.setattr(sweeping, "run_scene", None)
+    run(tmp_path / "two", "0.2", "--folders")
+    monkeypatch.chdir(tmp_path)
+    run("two", "0.2", "--folders")
+    assert friction_of(tmp_path / "two") == [0.2]
+
+
 def test_a_run_whose_folder_is_gone_is_run_again(tmp_path):
     run(tmp_path, "0.2,0.25", "--folders")
     before = rows_of(tmp_path)
