@@ -10,12 +10,12 @@ from argparse import Namespace
 from pathlib import Path
 from types import ModuleType
 
-from .command.command import NO_SOLUTION, Parser, comm, on_root, run, say, writable
+from .command.command import NO_SOLUTION, Parser, comm, on_root, run, say
 from .runs.checks import ChecksFailed
 from .scene import DEFAULT_SCENE, SceneError, shown
 from .scene.text import read_keys, read_text
 from .studies.engine import workers
-from .studies.sweep_folder import TABLE, take
+from .studies.sweep_folder import TABLE, taken
 from .studies.sweeping import Table, items_of, run_sweep, sweep
 from .studies.variation import check, product, read_table, read_vary
 
@@ -25,10 +25,11 @@ def main(arguments: list[str]):
     given = on_root(lambda: read(arguments))
     table = Table()
     tell = (lambda line: None) if given.quiet else say
-    with workers(comm) as executor:
+    place = taken(comm, given.output, given.items, given.overwrite)
+    with place as store, workers(comm) as executor:
         if comm.rank == 0:
             tell(f"{len(given.cases)} scenes on {comm.size} rank(s)")
-            table = run_sweep(given.cases, given.items, given.store, executor, tell)
+            table = run_sweep(given.cases, given.items, store, executor, tell)
             table.to_csv(given.output / TABLE)
     failed, not_held = comm.bcast((table.failed, table.not_held))
     tell(f"written to {given.output}: {TABLE}, {len(table)} rows")
@@ -41,7 +42,7 @@ def main(arguments: list[str]):
 
 
 def read(arguments: list[str]) -> Namespace:
-    """The checked command line with ``cases``, ``items`` and ``store``; SceneError where anything is wrong."""
+    """The checked command line with ``cases`` and ``items``; SceneError where anything is wrong."""
     program = "python -m simulations.sweep"
     parser = Parser(prog=program, description=__doc__, allow_abbrev=False)
     parser.add_argument("scene", nargs="?", type=Path, help="scene file (TOML); without one, the default scene")
@@ -72,9 +73,8 @@ def read(arguments: list[str]) -> Namespace:
             raise SceneError(f"{key} is to vary, and --set {override} gives it one value")
     check(given.text, given.sets, given.cases)
     name = "default" if given.scene is None else given.scene.stem
-    given.output = writable(given.output or Path("results") / f"sweep-{name}")
+    given.output = given.output or Path("results") / f"sweep-{name}"
     given.items = items_of(given.text, given.sets, given.cases, given.output if given.folders else None)
-    given.store = take(given.output, given.items, given.overwrite)
     return given
 
 

@@ -188,7 +188,7 @@ def restore(saved: Saved, simulation: Simulation):
 
 def is_complete(folder: Path) -> bool:
     """Whether the run in ``folder`` reached its end."""
-    return bool(_summary(folder).get("converged")) and not (folder / FOLDER / "memory.npz").exists()
+    return bool(read_summary(folder).get("converged")) and not (folder / FOLDER / "memory.npz").exists()
 
 
 def failing_checks(folder: Path, wanted: tuple[str, ...]) -> list[str]:
@@ -197,14 +197,14 @@ def failing_checks(folder: Path, wanted: tuple[str, ...]) -> list[str]:
     SceneError where its summary does not tell.
     """
     try:
-        made = {name: check["holds"] for name, check in _summary(folder)["checks"].items()}
+        made = {name: check["holds"] for name, check in read_summary(folder)["checks"].items()}
     except (AttributeError, KeyError, TypeError):
         why = "the checks in summary.json are not as the run wrote them; it was changed afterwards"
         raise SceneError(f"--resume {folder}: {why}") from None
     return [name for name, holds in made.items() if not holds] + [name for name in wanted if name not in made]
 
 
-def _summary(folder) -> dict:
+def read_summary(folder) -> dict:
     """What the run says of itself; {} where there is nothing, or it cannot be read."""
     try:
         found = json.loads((folder / "summary.json").read_text(encoding="utf-8"))

@@ -22,7 +22,7 @@ from ..fem.parallel import on_root
 from ..scene import Scene, SceneError, shown
 from ..version import __version__
 from . import checkpoint, field_index, lines
-from .checkpoint import SCENE
+from .checkpoint import SCENE, read_summary
 from .files import OutputError, write_text
 from .lock import Lock
 
@@ -102,10 +102,18 @@ def go_on(folder: Path):
 
 
 def remove_run(folder: Path):
-    """Take away the run in ``folder``, if there is one, and the folder with it where nothing else is in it."""
-    if _is_of_a_run(folder / SCENE):
-        _remove_results(folder)
-        (folder / SCENE).unlink()
+    """Take away the run in ``folder``, if there is one, and the folder with it where nothing else is in it.
+
+    Also the results of a run that has lost its scene. Locked where the run is going on.
+    """
+    has_lost_scene = not (folder / SCENE).exists() and "graded-fretting" in str(read_summary(folder).get("versions"))
+    if _is_of_a_run(folder / SCENE) or has_lost_scene:
+        lock = Lock(folder)
+        try:
+            _remove_results(folder)
+            (folder / SCENE).unlink(missing_ok=True)
+        finally:
+            lock.release()
         _remove_empty((folder / field_index.FOLDER, folder))
 
 
@@ -129,6 +137,21 @@ def refuse_changed(folder: Path):
 def is_run_of(folder: Path, scene: Scene) -> bool:
     """Whether a run wrote what is in ``folder``, and of this scene."""
     return _is_of_a_run(folder / SCENE) and checkpoint.read_scene(folder).to_toml() == scene.to_toml()
+
+
+def is_whole(folder: Path) -> bool:
+    """Whether ``folder`` holds a run that reached its end, with its scene as the run wrote it and its tables."""
+    is_there = all((folder / name).exists() for name in ("history.csv", "surface.h5"))
+    return is_there and _is_of_a_run(folder / SCENE) and checkpoint.is_complete(folder)
+
+
+def locked(folder: Path, option: str = "--output") -> Lock:
+    """The lock of ``folder``, which is made; SceneError where that cannot be, or where another process has it."""
+    writable(folder, option)
+    try:
+        return Lock(folder)
+    except OSError as error:
+        raise SceneError(f"{option} {shown(folder)} cannot be written: {error.strerror}") from None
 
 
 def writable(folder: Path, option: str = "--output") -> Path:
@@ -158,12 +181,7 @@ class _Claim:
 
     def __init__(self, folder: Path, scene_file: Path | None, overwrite: bool, resume: bool):
         self._missing = [] if resume else _missing(folder)
-        option = "--resume" if resume else "--output"
-        writable(folder, option)
-        try:
-            self._lock = Lock(folder)
-        except OSError as error:
-            raise SceneError(f"{option} {shown(folder)} cannot be written: {error.strerror}") from None
+        self._lock = locked(folder, "--resume" if resume else "--output")
         try:
             if not resume:
                 _refuse(folder, scene_file, overwrite)

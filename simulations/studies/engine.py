@@ -22,8 +22,8 @@ from mpi4py.futures import MPICommExecutor
 
 from ..command.progress import duration
 from ..command.stopping import stopping
-from ..output.checkpoint import is_complete
 from ..output.files import OutputError
+from ..output.folder import is_whole
 from ..scene import SceneError
 from .store import Store
 
@@ -82,9 +82,9 @@ def run_all(
 ) -> list[Row]:
     """The row of every item, in order: what ``work(item.values)`` returns, or ``{"failed": reason}``.
 
-    What the store holds is not run again, unless its folder is gone; a failed run is told, never kept (another call
-    tries it again), and never the end of the others. executor: None, or where runs may go; takes_part: this process
-    works too, from the end of the list, so that N ranks do the work of N. tell: called with lines of progress.
+    What the store holds is not run again, unless its folder is not whole; a failed run is told, never kept (another
+    call tries it again), and never the end of the others. executor: None, or where runs may go; takes_part: this
+    process works too, from the end of the list, so that N ranks do the work of N. tell: called with lines of progress.
     OutputError where the store cannot be written.
     """
     items = list(items)
@@ -138,8 +138,8 @@ def _share(waiting: dict[Future, int], attempt: Callable[[int], Row], finish: Ca
 
 
 def _is_there(item: Item) -> bool:
-    """False where the folder of a run's results is gone."""
-    return "folder" not in item.values or is_complete(Path(item.values["folder"]))
+    """False where the folder of a run's results is gone, or part of what it holds."""
+    return "folder" not in item.values or is_whole(Path(item.values["folder"]))
 
 
 def _attempt(work, values) -> Row:

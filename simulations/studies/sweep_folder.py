@@ -4,10 +4,12 @@ A sweep goes on in a folder whose finished runs are all its own. The table and t
 and files that no sweep wrote are not replaced.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
-from ..output.folder import FILES, remove_run
+from ..fem.parallel import on_root
+from ..output.folder import FILES, locked, remove_run
 from ..scene import SceneError, shown
 from .engine import Item
 from .store import Store
@@ -16,11 +18,29 @@ KEPT, TABLE = "sweep.jsonl", "sweep.csv"
 RUNS = "run-{:04d}"  # folder of a scene, by its number
 
 
-def take(folder: Path, items: Iterable[Item], overwrite: bool) -> Store:
-    """The store of a sweep in ``folder``, which is made; SceneError where something there would be lost.
+@contextmanager
+def taken(comm, folder: Path, items: list[Item], overwrite: bool) -> Iterator[Store]:
+    """The store of a sweep in ``folder``, which is made, and locked meanwhile. Collective.
 
-    items: all its runs; overwrite: take away the table, the runs and the store of another sweep.
+    SceneError where another process writes there, or where something there would be lost. items: all its runs;
+    overwrite: take away the table, the runs and the store of another sweep.
     """
+    lock = None
+
+    def take():
+        nonlocal lock
+        lock = locked(folder)
+        _make_ready(folder, items, overwrite)
+
+    try:
+        on_root(comm, take, SceneError)
+        yield Store(folder / KEPT)
+    finally:
+        if lock:
+            lock.release()
+
+
+def _make_ready(folder, items, overwrite):
     store, table = Store(folder / KEPT), folder / TABLE
     start = f"--output {shown(folder)} is not allowed: "
     run = next((name for name in FILES if (folder / name).exists()), None)
@@ -29,16 +49,18 @@ def take(folder: Path, items: Iterable[Item], overwrite: bool) -> Store:
     stranger = KEPT if not store.is_own() else TABLE if table.exists() and not store.path.exists() else None
     if stranger:
         raise SceneError(f"{start}it holds {stranger}, which no sweep wrote; choose another folder")
-    if store.read().keys() - {item.key for item in items} and not overwrite:
+    kept = store.read()
+    if kept.keys() - {item.key for item in items} and not overwrite:
         raise SceneError(f"{start}it holds another sweep; --overwrite replaces it, --output DIR keeps both")
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        # a run that was kept and has lost its scene would be refused as another's, and could never be solved again
+        own = [Path(item.values["folder"]) for item in items if item.key in kept and "folder" in item.values]
+        lost = [run_folder for run_folder in own if not (run_folder / FILES[0]).exists()]
+        for run_folder in sorted(folder.glob("run-[0-9]*")) if overwrite else lost:
+            remove_run(run_folder)
         if overwrite:
-            for run_folder in sorted(folder.glob("run-[0-9]*")):
-                remove_run(run_folder)
             table.unlink(missing_ok=True)
             store.path.unlink(missing_ok=True)
         store.path.touch()  # tells that the table is a sweep's, though all scenes may fail
     except OSError as error:
         raise SceneError(f"{start}{error.strerror or error}") from None
-    return store

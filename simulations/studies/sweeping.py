@@ -9,6 +9,7 @@ import json
 import time
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -27,7 +28,7 @@ from ..scene import DEFAULT_SCENE, Scene, SceneError, parse
 from ..scene.effects import Effects
 from .engine import FAILED, Item, Row, run_all
 from .store import Store
-from .sweep_folder import RUNS, take
+from .sweep_folder import RUNS, taken
 from .variation import Changes, base_of, check, overrides, product
 
 # Keys that may leave mesh and stiffness as they are, in units of the contact.
@@ -79,8 +80,9 @@ def sweep(
     if folders and output is None:
         raise SceneError("folders of the runs need a folder: output")
     items = items_of(text, sets, cases, output if folders else None)
-    store = take(Path(output), items, overwrite) if output is not None else None
-    return run_sweep(cases, items, store, executor, tell)
+    place = nullcontext() if output is None else taken(MPI.COMM_SELF, Path(output), items, overwrite)
+    with place as store:
+        return run_sweep(cases, items, store, executor, tell)
 
 
 def items_of(text: str, sets: tuple[str, ...], cases: list[Changes], folder) -> list[Item]:

@@ -4,12 +4,13 @@ import json
 import shutil
 
 import pytest
-from coarse_sweep import arguments, rows_of
+from coarse_sweep import COARSE_SETS, arguments, rows_of
 
 import simulations.sweep as command
 from simulations import SceneError
 from simulations.output import folder as run_folder
 from simulations.output.checkpoint import read_scene
+from simulations.output.lock import Lock, Locked
 from simulations.runs.checks import ChecksFailed
 from simulations.studies import sweeping
 
@@ -40,6 +41,16 @@ def test_another_sweep_is_refused(swept, values, more):
     with pytest.raises(SceneError, match="it holds another sweep; --overwrite replaces it, --output DIR keeps both"):
         run(swept, values, *more)
     assert contents(swept) == before
+
+
+@pytest.mark.parametrize("lost", ["scene.toml", "history.csv", "summary.json"])
+@pytest.mark.parametrize("more", [(), ("--overwrite",)])
+def test_a_run_that_is_not_whole_is_solved_again(swept, tmp_path, lost, more):
+    folder = shutil.copytree(swept, tmp_path / "sweep")
+    (folder / "run-0002" / lost).unlink()
+    run(folder, "0.2,0.25", "--folders", *more)
+    assert read_scene(folder / "run-0002").mu == 0.25 and run_folder.is_whole(folder / "run-0002")
+    assert friction_of(folder)[:2] == [0.2, 0.25]
 
 
 def test_a_larger_sweep_goes_on(swept, monkeypatch):
@@ -133,6 +144,44 @@ def test_a_run_of_another_scene_in_the_place_of_one_is_kept(swept, tmp_path):
     run(tmp_path, "0.2", "--folders")
     assert json.loads((tmp_path / "run-0001" / "summary.json").read_text())["converged"]
     assert run_folder.is_run_of(tmp_path / "run-0001", read_scene(tmp_path / "run-0001"))
+
+
+# --- several at once --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("more", [(), ("--folders",), ("--folders", "--overwrite")])
+def test_of_two_sweeps_at_once_one_runs(swept, more):
+    before, held = contents(swept), Lock(swept)
+    with pytest.raises(Locked, match=f"{swept} is locked"):
+        run(swept, "0.2,0.25", *more)
+    held.release()
+    assert contents(swept) == before
+
+
+def test_the_folder_is_locked_while_a_sweep_goes_on(tmp_path, monkeypatch):
+    """By the command, and by the function."""
+    run_scene, tried = sweeping.run_scene, []
+
+    def run_and_try(values):
+        with pytest.raises(Locked):
+            Lock(tmp_path)
+        tried.append(values)
+        return run_scene(values)
+
+    monkeypatch.setattr(sweeping, "run_scene", run_and_try)
+    run(tmp_path, "0.2")
+    sweeping.sweep(vary={"load.mu": [0.3]}, sets=COARSE_SETS, output=tmp_path, overwrite=True)
+    assert len(tried) == 2
+    Lock(tmp_path).release()
+
+
+def test_a_run_that_goes_on_is_not_removed(tmp_path):
+    run(tmp_path, "0.2", "--folders")
+    before, held = contents(tmp_path), Lock(tmp_path / "run-0001")
+    with pytest.raises(Locked, match="run-0001 is locked"):
+        run(tmp_path, "0.3", "--folders", "--overwrite")
+    held.release()
+    assert contents(tmp_path) == before
 
 
 def test_checks_that_fail_are_told(tmp_path, monkeypatch):
