@@ -147,7 +147,17 @@ def check(text: str, sets: tuple[str, ...], cases: list[Changes]):
                 _check_order(text, sets, changes)
     for entry, reason in refused.items():
         if entry not in accepted:
+            _check_base(text, sets, reason)
             raise SceneError(f"{entry[0]} = {one_line(entry[1])} is to vary, but: {reason}")
+
+
+def _check_base(text: str, sets: tuple[str, ...], reason: SceneError):
+    """Raise ``reason`` as it is where nothing that varies is the cause of it."""
+    try:
+        parse(text, sets)
+    except SceneError as alone:
+        if str(alone) == str(reason):
+            raise reason from None
 
 
 def _check_order(text: str, sets: tuple[str, ...], changes: Changes):

@@ -297,6 +297,14 @@ def test_a_refusal_as_the_user_sees_it(tmp_path):
     assert "Traceback" not in done.stderr and done.stdout == "" and list(tmp_path.iterdir()) == []
 
 
+def test_what_is_wrong_without_the_key_that_varies_is_not_blamed_on_it():
+    for words, said in ((["--set", "foo=1"], "foo = 1 is not a key"), (["--set", "load.mu=-1"], "load.mu = -1")):
+        with pytest.raises(SceneError, match=f"^{said}"):
+            command.read([*words, "--vary", "solid.k=0.1,0.2", "--output", "out"])
+    with pytest.raises(SceneError, match="^solid.k = 1.5 is to vary, but: "):
+        command.read(["--vary", "solid.k=1.5,2.5", "--output", "out"])
+
+
 def test_values_of_a_key():
     assert read_vary(["solid.k=-0.5:0.9:15"])["solid.k"][8] == 0.3
     assert read_vary(["a=holl, 0.3"]) == {"a": ["holl", 0.3]}
