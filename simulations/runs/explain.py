@@ -18,6 +18,9 @@ def explain(simulation: Simulation) -> str:
         if problem is not None:
             unknown = " and ".join(TERMS[i] for i in problem.directions)
             lines.append(f"{stage:26s} {unknown}, {len(problem.directions)} rigid displacement(s), {solver} Newton")
+    if simulation.scene.solver.theta != 0:
+        why = f"solver.theta = {simulation.scene.solver.theta:g} needs it: every displacement is an unknown"
+        lines.append(f"{'full Newton':26s} {why}, which takes longer")
     critical = critical_friction.expected(simulation.scene, simulation.effects)
     if critical is not None:
         lines.append(f"{'critical friction':26s} {critical_friction.describe(simulation.scene, critical)}")

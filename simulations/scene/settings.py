@@ -65,7 +65,10 @@ class Solver(Table):
         default=None, description="largest relative error wanted; chooses the mesh, see [cost.md](cost.md)"
     )
     theta: Dimensionless = Field(
-        default=0.0, ge=-1, le=1, description='Nitsche\'s variant; other than 0 needs `method = "full"`'
+        default=0.0,
+        ge=-1,
+        le=1,
+        description='Nitsche\'s variant; with one other than 0 the default of `method` is `"full"`, which it needs',
     )
 
     @model_validator(mode="before")

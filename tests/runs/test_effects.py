@@ -17,6 +17,7 @@ from simulations.fem.body import X, Y
 from simulations.indentation import DEFAULT_SCENE as INDENTATION
 from simulations.runs import mesh_free, reference
 from simulations.runs.comparison import compare, compare_state
+from simulations.runs.explain import explain
 from simulations.runs.mesh_free import MeshFree
 from simulations.runs.simulation import Simulation
 from simulations.scene import DEFAULT_SCENE, SceneError, parse
@@ -96,6 +97,11 @@ def test_explain_names_every_effect_and_writes_nothing(tmp_path):
     for name in (*names, "load schedule", "indenter profile", "anchors of stick", "unknowns"):
         assert name in done.stdout
     assert not (tmp_path / "results").exists()
+
+
+def test_explain_tells_why_the_full_method_is_taken():
+    assert "solver.theta = 1 needs it" in explain(coarse_simulation(solver__theta=1))
+    assert "solver.theta" not in explain(coarse_simulation(solver__method="full"))
 
 
 # Measured differences of the coupled from the uncoupled problem, by finite elements and boundary elements that share no
