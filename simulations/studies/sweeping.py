@@ -8,7 +8,7 @@
 import json
 import time
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import Executor
+from concurrent.futures import Executor, ThreadPoolExecutor
 from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
@@ -79,6 +79,9 @@ def sweep(
         raise SceneError("output = '' is not allowed: the name of a folder")
     if folders and output is None:
         raise SceneError("folders of the runs need a folder: output")
+    if isinstance(executor, ThreadPoolExecutor):
+        words = "PETSc does not run in several threads at once; a ProcessPoolExecutor that spawns does"
+        raise SceneError(f"executor = {type(executor).__name__} is not allowed: {words}")
     items = items_of(text, sets, cases, output if folders else None)
     place = nullcontext() if output is None else taken(MPI.COMM_SELF, Path(output), items, overwrite)
     with place as store:

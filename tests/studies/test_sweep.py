@@ -8,7 +8,7 @@ import subprocess
 import sys
 import time
 import weakref
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from multiprocessing import get_context
 
 import pytest
@@ -230,6 +230,12 @@ def test_processes_share_the_scenes(table):
     for row, other in zip(found, rows_of(table), strict=True):
         energy = float(other["dissipated_energy[J/m]"])
         assert row["dissipated_energy[J/m]"] == pytest.approx(energy, rel=1e-8), row["reason"]
+
+
+def test_threads_are_refused(tmp_path):
+    with ThreadPoolExecutor(2) as executor, pytest.raises(SceneError, match="ThreadPoolExecutor is not allowed: "):
+        sweep(vary={"solid.k": [0.0, 0.3]}, executor=executor, sets=COARSE_SETS, output=tmp_path / "out")
+    assert not (tmp_path / "out").exists()
 
 
 BAD = {
