@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from mpi4py import MPI
 
-from .runs import checks, comparison, reference, report_data
+from .runs import checks, comparison, estimate, reference, report_data
 from .runs.history import Entry
 from .runs.simulation import Simulation
 from .scene import DEFAULT_SCENE, Scene, make_scene
@@ -102,12 +102,17 @@ class Result:
     def checks(self) -> dict[str, checks.Check]:
         """What the run is checked for after the solve, by name: value, limit, and whether it ``holds``.
 
-        Errors are among them beside a closed form, which costs nothing.
+        Errors are among them beside a closed form, which costs nothing. ``accuracy`` is, where ``solver.accuracy`` is
+        given: without a closed form the errors are estimated from a second mesh.
         """
-        simulation = self.simulation
+        simulation, wanted = self.simulation, self.simulation.scene.solver.accuracy
         is_known = simulation.effects.has_closed_form and simulation.scene.reference.kind != "none"
         exact = reference.closed_form(simulation) if is_known else None
-        return report_data.checked(simulation, report_data.compared(simulation, exact) if exact else None)
+        beside = report_data.compared(simulation, exact) if exact else None
+        found = report_data.checked(simulation, beside)
+        if wanted is not None:
+            found["accuracy"], _ = estimate.judged(simulation, estimate.measured(beside, wanted))
+        return found
 
     def errors(self) -> dict[str, float]:
         """Relative deviations from what has the same physics; reference.NoReference where there is none."""

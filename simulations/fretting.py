@@ -2,28 +2,23 @@
 
 import shlex
 import sys
-from math import nan
 
 from .command.arguments import Request, read_request, set_petsc_options
 from .command.command import comm, on_root, run, say
 from .command.progress import Progress
 from .command.stopping import stopping
 from .fem import parallel
-from .loading.stepping import SolveError
 from .output import checkpoint
 from .output.files import OutputError
 from .output.folder import begin, claimed, files, go_on, refuse_changed
 from .output.results import Results
-from .runs.checks import Check, ChecksFailed
-from .runs.estimate import coarser, estimated, expectation, measured
+from .runs.checks import ChecksFailed
+from .runs.estimate import expectation, judged, measured
 from .runs.explain import explain
 from .runs.reference import expected_seconds
 from .runs.simulation import Simulation
 from .runs.timing import Stopwatch
 from .scene import DEFAULT_SCENE, SceneError
-
-
-TOO_COARSE = "more solver.increments or a smaller solver.accuracy may help"
 
 
 def main(
@@ -103,23 +98,9 @@ def go(simulation: Simulation, folder, progress: Progress, again: str):
 
 def judge(simulation: Simulation, results: Results, progress: Progress):
     """Hold the run's errors, measured or else estimated, against the accuracy asked for; keep that as a check."""
-    scene = simulation.scene
-    wanted = scene.solver.accuracy or 0.0
+    wanted = simulation.scene.solver.accuracy or 0.0
     errors = comm.bcast(measured(results.findings.exact, wanted) if results.findings else None)
-    if errors is None:
-        progress.say("second mesh, for the estimate of the error")
-        try:
-            other, ratio = coarser(comm, scene)
-            errors = estimated(simulation, other.run_to_end(), ratio)
-        except (SceneError, SolveError) as reason:  # the run itself is done
-            check = Check(nan, wanted, f"the error is not known, as the second mesh fails: {reason}")
-            results.judge_accuracy(check, {"wanted": wanted, "is_within": False})
-            return
-    check = Check(errors.largest, wanted, "" if errors.largest <= wanted else TOO_COARSE)
-    for words in errors.in_words():
-        progress.say(words)
-    progress.say(f"all states, a, c and energy are {'within' if check.holds else 'NOT within'} {wanted:g}")
-    results.judge_accuracy(check, {"wanted": wanted, "is_within": check.holds} | errors.summary())
+    results.judge_accuracy(*judged(simulation, errors, progress.say))
 
 
 if __name__ == "__main__":

@@ -1,11 +1,14 @@
 """What ``solver.accuracy`` promises; and a run's error, from two meshes where no reference is known well enough."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
-from ..scene import Scene, accuracy, make_scene
+from ..loading.stepping import SolveError
+from ..scene import Scene, SceneError, accuracy, make_scene
 from ..scene.effects import Effects
+from .checks import Check
 from .comparison import QUANTITIES, compare, worst
 from .coupled_loop import serves
 from .history import Entry, History
@@ -13,6 +16,7 @@ from .report_data import Comparison
 from .simulation import Simulation
 
 COARSER_MESH = 2.0  # times the fineness
+TOO_COARSE = "more solver.increments or a smaller solver.accuracy may help"
 WELL_KNOWN = 0.3  # of the accuracy asked for: a reference whose own error is larger measures none
 
 
@@ -101,6 +105,29 @@ class Solved:
     def dissipated_energy(self):
         """As in the history."""
         return self.history.dissipated_energy
+
+
+def judged(
+    simulation: Simulation, errors: Errors | None, tell: Callable[[str], None] = lambda words: None
+) -> tuple[Check, dict]:
+    """Check of a finished run's errors against ``solver.accuracy``, and what it was made from; collective.
+
+    errors: those that are measured; None where they are to be estimated, on a second mesh. tell: called with words.
+    """
+    wanted = simulation.scene.solver.accuracy or 0.0
+    if errors is None:
+        tell("second mesh, for the estimate of the error")
+        try:
+            other, ratio = coarser(simulation.body.mesh.comm, simulation.scene)
+            errors = estimated(simulation, other.run_to_end(), ratio)
+        except (SceneError, SolveError) as reason:  # the run itself is done
+            cause = f"the error is not known, as the second mesh fails: {reason}"
+            return Check(float("nan"), wanted, cause), {"wanted": wanted, "is_within": False}
+    check = Check(errors.largest, wanted, "" if errors.largest <= wanted else TOO_COARSE)
+    for words in errors.in_words():
+        tell(words)
+    tell(f"all states, a, c and energy are {'within' if check.holds else 'NOT within'} {wanted:g}")
+    return check, {"wanted": wanted, "is_within": check.holds} | errors.summary()
 
 
 def _choice(scene: Scene) -> accuracy.Choice:

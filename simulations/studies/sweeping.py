@@ -20,6 +20,7 @@ from ..output.files import write_table
 from ..output.folder import begin, claimed, is_run_of
 from ..output.results import Results
 from ..runs import comparison
+from ..runs.estimate import judged, measured
 from ..runs.plan import Plan
 from ..runs.report_data import Findings, find
 from ..runs.simulation import Simulation
@@ -133,7 +134,6 @@ def run_scene(values: Row) -> Row:
     previous = _kept.pop() if _kept else None
     simulation = prepared(scene, previous)
     del previous
-    findings = None
     if "folder" in values:
         folder = Path(values["folder"])
         with claimed(MPI.COMM_SELF, folder, overwrite=is_run_of(folder, scene)):
@@ -141,10 +141,15 @@ def run_scene(values: Row) -> Row:
             with Results(folder, simulation) as results:
                 for entry in simulation.run():
                     results.record(entry)
-        findings = results.findings  # its reference may take long to solve
+            findings = results.findings  # its reference may take long to solve
+            assert findings is not None  # of a run that reached its end
+            if scene.solver.accuracy is not None:
+                results.judge_accuracy(*judged(simulation, measured(findings.exact, scene.solver.accuracy)))
     else:
-        simulation.run_to_end()
-    row = numbers(simulation, findings or find(simulation))
+        findings = find(simulation.run_to_end())
+        if scene.solver.accuracy is not None:
+            findings.checks["accuracy"], _ = judged(simulation, measured(findings.exact, scene.solver.accuracy))
+    row = numbers(simulation, findings)
     _kept.append(simulation)
     return row | {"seconds": round(time.perf_counter() - start, 3)}
 
