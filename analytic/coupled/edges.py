@@ -9,7 +9,8 @@ from .stick import FEATURE, layout
 LONGEST_STEP = 0.3  # change of a variable in one step
 ITERATIONS = 30
 CUTS = 3  # steps in a row that would leave no stick, or leave the contact at the turn with it
-SLOW, STALLS = 0.8, 4  # part of the amplitudes left after a step with a new Jacobian, and how often that is borne
+SLOW, STALLS = 0.8, 4  # part of the amplitudes left after a step with a new Jacobian, and how often that is borne;
+# so often, too, an edge may be known to FEATURE before that is enough
 GROWTH = 1.5  # of the amplitudes that is borne in a step,
 FREE = 1e-3  # and amplitudes that are borne in any case
 FLAT = 0.03  # derivative of the amplitude at an edge of stick by its own variable; it is 0.1 to 0.3 elsewhere
@@ -20,6 +21,7 @@ SETTLED = 1e-8  # largest amplitude (see ``linear.Solution``) at which the edges
 BORNE = 1e-7  # and that borne where it falls no further: rounding, where slip has hardly begun
 JUMP = 1e-6  # amplitude borne at a place that is known to FEATURE: there the basis changes, and the amplitude with it
 
+FADED = 0.1  # part of the present amplitude below which an opposite one, halved again and again, counts no more
 REACHED = 0.99  # share of the way to a place with an amplitude of the other sign, from which a step passes it
 STICK = ((1, -1), (2, 1))  # edges of stick, and which way is outwards
 
@@ -68,13 +70,14 @@ class EdgeSolver:
             return solve(self.problem, self.base, self.friction, edges, self._layout(edges), Q)
 
         now, before, longest, cuts, margin, stalls = solution(y), np.inf, LONGEST_STEP, 0, LEAP_MARGIN, 0
-        bracket = Bracket()
+        bracket, closed = Bracket(), 0
         for _ in range(iterations):
             size = np.abs(now.amplitudes).max()
             # after one step at least: a guess by another order of the basis would be returned as it is
             if (size < SETTLED and before < np.inf) or (size > before / 2 and size < BORNE):
                 return now.state, y
-            if bracket.closed(self._edges(y, load), now.amplitudes):
+            closed += bracket.closed(self._edges(y, load), now.amplitudes)
+            if closed > STALLS:
                 return now.state, y
             stalls += size > SLOW * before
             if stalls > STALLS:
@@ -178,6 +181,8 @@ class Bracket:
             elif e in self._passed:
                 place, amplitude = self._passed[e]
                 self._passed[e] = place, amplitude / 2
+                if abs(amplitude) < FADED * abs(after[e]):
+                    del self._passed[e]
 
     def steps(self, edges, aims, amplitudes):
         """Changes of variables by false position, of edges that would go to the place in question or past it."""
