@@ -15,7 +15,7 @@ from .half_plane.layered_kernel import LayeredKernel
 from .half_plane.solver import HalfPlaneContact
 from .half_plane.surface_kernel import PowerLawKernel
 from .material import GradedHalfPlane
-from .normal import ProfileContact
+from .normal import ProfileContact, normal_contact
 from .partial_slip import PartialSlip
 from .point_force import point_force_displacement, point_force_stress
 from .pressing_with_friction import PressingWithFriction
@@ -47,6 +47,7 @@ __all__ = [
     "contact_edges",
     "from_displacement",
     "from_traction",
+    "normal_contact",
     "point_force_displacement",
     "point_force_stress",
 ]

@@ -9,6 +9,7 @@ from scipy.optimize import brentq
 
 from .abel import PunchSuperposition
 from .checks import require, require_positive_k
+from .cylinder import CylinderContact
 from .fretting import FrettingLoop
 from .material import GradedHalfPlane
 from .partial_slip import PartialSlip
@@ -173,3 +174,30 @@ class ProfileContact:
     def fretting(self, mu, Q_A=None, z=None):
         """Loop between ±Q_A [stress x length], 0 <= Q_A < mu P, or by z = 1 - Q_A/(mu P)."""
         return FrettingLoop.from_load(self, mu, Q_A, z)
+
+
+def normal_contact(solid: GradedHalfPlane, profile, P) -> CylinderContact | ProfileContact:
+    """Contact under the line load P [stress x length], of a parabola or any other profile, as wide as it has to be.
+
+    Raises ValueError where the profile ends before it carries P, or is not convex up to there.
+    """
+    if getattr(profile, "m", None) == 2:
+        return CylinderContact(solid, R=0.5 / profile.A, P=P)
+    return ProfileContact.from_load(solid, profile, P, _wide_enough(solid, profile, P))
+
+
+def _wide_enough(solid, profile, P):
+    """A half-width that carries at least ``P``; ValueError where the profile ends before."""
+    width, growth, before = 1e-9 * (profile.flat or 1.0), 4.0, 0.0
+    while growth > 1 + 1e-6:
+        with np.errstate(all="ignore"):
+            load = ProfileContact(solid, profile, profile.flat + growth * width).P
+        if load >= P:
+            return profile.flat + growth * width
+        if load < before:
+            raise ValueError(f"the indenter's profile is not convex up to x = {profile.flat + growth * width:.3g}")
+        if load < P:
+            width, before = width * growth, load
+        else:  # not a number: beyond the end of the profile
+            growth **= 0.5
+    raise ValueError(f"the indenter's profile ends at x = {profile.flat + width:.3g}, before it carries P")

@@ -9,7 +9,7 @@ import numpy as np
 from ..cylinder import CylinderContact
 from ..half_plane.linear import ContactNotConverged
 from ..half_plane.surface_kernel import PowerLawKernel
-from ..normal import ProfileContact
+from ..normal import normal_contact
 from .exponents import edge_exponents, hilbert_ratio
 from .panels import Panels, even_kernel, graded
 from .tractions import Interpolated
@@ -65,7 +65,7 @@ class NormalStage:
         self.solid, self.P = solid, P
         if not _is_even(getattr(profile, "m", 1.0)):
             raise ContactNotConverged("the profile is no polynomial: its power has to be even")
-        self._closed = _normal_contact(solid, profile, P)
+        self._closed = normal_contact(solid, profile, P)
         self.a = self._closed.a
         self._cylinder = isinstance(self._closed, CylinderContact)
 
@@ -143,13 +143,3 @@ class NormalStage:
 
 def _is_even(power):
     return power == round(power) and round(power) % 2 == 0
-
-
-def _normal_contact(solid, profile, P):
-    """Closed form of the frictionless contact."""
-    if getattr(profile, "m", None) == 2:
-        return CylinderContact(solid, 1 / (2 * profile.A), P)
-    a_max = 1e-9
-    while ProfileContact(solid, profile, a_max).P < P:
-        a_max *= 2
-    return ProfileContact.from_load(solid, profile, P, a_max)

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from functools import cached_property, partial
 
-from analytic import GradedHalfPlane, PowerLawKernel, PressingWithFriction, point_force_displacement
+from analytic import GradedHalfPlane, PowerLawKernel, PressingWithFriction, normal_contact, point_force_displacement
 from analytic.coupled.exponents import edge_exponents
 
 from ..fem.body import ElasticBody, X, Y
@@ -15,7 +15,6 @@ from ..fem.parallel import on_root
 from ..fem.surface import SurfaceSampler
 from ..loading.stepping import LoadStepping, SolveError
 from ..scene import Scene
-from ..scene.solid import normal_contact
 from ..solvers.condensed.surface_compliance import SurfaceCompliance
 from ..solvers.condensed.system import CondensedSystem
 from ..solvers.full import FullSystem
@@ -104,7 +103,9 @@ class Simulation(Plan):
     def _first_half_width(self) -> float:
         """Of the frictionless contact under the first load; of a coating not more than a, nearly."""
         load = self.schedule[0].P
-        return min(normal_contact(self.scaled.solid, self.scaled.indenter, load).a, 1.0) if load < 1.0 else 1.0
+        if load >= 1.0:
+            return 1.0
+        return min(normal_contact(self.scaled.solid, self.scaled.indenter.analytic(), load).a, 1.0)
 
     def _mesh(self, comm):
         """The mesh of the cells with its facet tags; SceneError where it would not do or would be too large."""

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from analytic import GradedHalfPlane
+from analytic import GradedHalfPlane, normal_contact
 
 from . import accuracy
 from .errors import SceneError, one_line, shown
@@ -14,7 +14,7 @@ from .fields import allowed, plain
 from .indenter import Shape, named, shape_of
 from .output import Output
 from .settings import EffectSwitches, Mesh, Reference, Solver, switches
-from .solid import is_decoupled, normal_contact
+from .solid import is_decoupled
 from .steepness import look_at
 from .table import KINDS, Table, fields, model_for, unknown
 from .tables import ONE_OF_TWO, TANGENTIAL, AnyIndenter, AnyLoad, AnySolid
@@ -111,7 +111,7 @@ def _in_metres(solid: AnySolid, indenter: AnyIndenter, load: AnyLoad) -> AnySoli
 
 def half_width_on_homogeneous(solid: AnySolid, shape: Shape, P: float) -> float:
     """The contact half-width on a homogeneous half-plane of modulus E0 (57), m."""
-    return normal_contact(GradedHalfPlane(solid.E0, solid.nu, 0.0, 1.0), shape, P).a
+    return normal_contact(GradedHalfPlane(solid.E0, solid.nu, 0.0, 1.0), shape.analytic(), P).a
 
 
 def fitting(

@@ -7,12 +7,12 @@ Lengths are divided by the contact half-width ``a``, stresses by ``P/a`` and dis
 from dataclasses import dataclass
 from functools import cached_property
 
-from analytic import CylinderContact, GradedHalfPlane, LayeredKernel, ProfileContact
+from analytic import CylinderContact, GradedHalfPlane, LayeredKernel, ProfileContact, normal_contact
 from forms.modulus import Modulus
 
 from .indenter import Shape
 from .scene import Scene
-from .solid import layered_kernel, modulus, modulus_at, normal_contact
+from .solid import layered_kernel, modulus, modulus_at
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ class Scaled:
         law = modulus(scene.material, scales.length, scales.modulus)
         solid = GradedHalfPlane(E0=law.surface_factor, nu=scene.solid.nu, k=scene.k, y0=1.0)
         indenter = scene.shape.scaled(scales.length, scales.displacement)
-        contact = normal_contact(solid, indenter, 1.0) if scene.is_power_law else None
+        contact = normal_contact(solid, indenter.analytic(), 1.0) if scene.is_power_law else None
         return cls(scales, law, solid, indenter, contact)
 
     def elastic_compliance(self, scene: Scene) -> float:

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
-from analytic import CylinderContact, GradedHalfPlane, ProfileContact, StretchedLoop
+from analytic import CylinderContact, GradedHalfPlane, ProfileContact, StretchedLoop, normal_contact
 
 from . import solid as solids
 from .errors import SceneError, shown
@@ -195,7 +195,7 @@ class Scene(BaseModel):
     @cached_property
     def contact(self) -> CylinderContact | ProfileContact | None:
         """Closed form of the frictionless contact under P, (42)-(46) or (5)-(8); None for a coating."""
-        return solids.normal_contact(self.half_plane, self.shape, self.P) if self.is_power_law else None
+        return normal_contact(self.half_plane, self.shape.analytic(), self.P) if self.is_power_law else None
 
     @cached_property
     def half_width(self) -> float:

@@ -2,10 +2,9 @@
 
 from math import exp, inf, log
 
-import numpy as np
 from scipy.optimize import brentq
 
-from analytic import CylinderContact, GradedHalfPlane, LayeredKernel, ProfileContact
+from analytic import GradedHalfPlane, LayeredKernel, normal_contact
 from forms import modulus as forms
 
 from .indenter import Shape
@@ -24,31 +23,6 @@ def is_decoupled(solid: AnySolid) -> bool:
     return is_power_law(solid) and abs(solid.nu * (2.0 + getattr(solid, "k", 0.0)) - 1.0) < 1e-9
 
 
-def normal_contact(solid: GradedHalfPlane, shape: Shape, P: float) -> CylinderContact | ProfileContact:
-    """Closed form of the frictionless contact under the line load ``P``, in consistent units."""
-    profile = shape.analytic()
-    if getattr(profile, "m", None) == 2:
-        return CylinderContact(solid, R=0.5 / profile.A, P=P)
-    return ProfileContact.from_load(solid, profile, P, _wide_enough(solid, profile, P))
-
-
-def _wide_enough(solid, profile, P):
-    """A half-width that carries at least ``P``; ValueError where the profile ends before."""
-    width, growth, before = 1e-9 * (profile.flat or 1.0), 4.0, 0.0
-    while growth > 1 + 1e-6:
-        with np.errstate(all="ignore"):
-            load = ProfileContact(solid, profile, profile.flat + growth * width).P
-        if load >= P:
-            return profile.flat + growth * width
-        if load < before:
-            raise ValueError(f"the indenter's profile is not convex up to x = {profile.flat + growth * width:.3g}")
-        if load < P:
-            width, before = width * growth, load
-        else:  # not a number: beyond the end of the profile
-            growth **= 0.5
-    raise ValueError(f"the indenter's profile ends at x = {profile.flat + width:.3g}, before it carries P")
-
-
 def half_plane(solid: AnySolid) -> GradedHalfPlane:
     """The half-plane of (1); for a coating, the one that it is near the surface."""
     y0 = getattr(solid, "y0", None) or 1.0
@@ -64,7 +38,7 @@ def equivalent_half_width(solid: AnySolid, shape: Shape, P: float) -> float:
     """Half-width a of the contact on a homogeneous half-plane whose modulus is E(a), m."""
 
     def homogeneous(E):
-        return normal_contact(GradedHalfPlane(E, solid.nu, 0.0, 1.0), shape, P).a
+        return normal_contact(GradedHalfPlane(E, solid.nu, 0.0, 1.0), shape.analytic(), P).a
 
     guess = homogeneous(solid.E0)
     ends = [homogeneous(modulus_at(solid, y)) for y in (1e-6 * guess, 1e6 * guess)]

@@ -10,7 +10,9 @@ from mpi4py import MPI
 from running import run_command
 from solving import deviations
 
+from simulations import run, sweep
 from simulations.runs import estimate
+from simulations.runs.checks import ChecksWarning
 from simulations.runs.comparison import compare, worst
 from simulations.runs.reference import of_same_physics
 from simulations.runs.simulation import Simulation
@@ -211,6 +213,18 @@ def test_an_accuracy_that_is_missed_fails_the_run(tmp_path):
     again = run_command("--resume", tmp_path / "run")
     assert again.returncode == 4 and again.stderr == "checks that fail: accuracy\n"
     assert "nothing is left to do" in again.stdout
+
+
+def test_an_accuracy_that_is_missed_fails_in_sweeps_and_from_python_too(tmp_path):
+    text = PATH.format("[1e4, 2e3], [6e3, 1e3], [1e4, -1e3]")
+    wanted = ("solver.accuracy=2e-3", "solver.increments=1")
+    with pytest.warns(ChecksWarning, match="accuracy"):
+        assert not run(parse(text, wanted)).checks["accuracy"].holds
+    for folder in (None, tmp_path / "sweep"):
+        (row,) = sweep(text, {"solver.gamma0": [10.0]}, sets=wanted, output=folder, folders=folder is not None)
+        assert row["checks"] == "not held: accuracy"
+    summary = json.loads((tmp_path / "sweep" / "run-0001" / "summary.json").read_text())
+    assert not summary["checks_hold"] and not summary["accuracy"]["is_within"]
 
 
 @pytest.mark.parametrize("reference", ["auto", "none"])

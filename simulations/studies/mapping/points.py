@@ -11,11 +11,9 @@ from math import pi
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from analytic import CylinderContact, GradedHalfPlane, PowerProfile, ProfileContact
+from analytic import GradedHalfPlane, PowerProfile, ProfileContact, normal_contact
 
 from ..loops import simulate
-
-WIDEST = 1e6  # half-width, in a0, below which a contact is looked for
 
 
 @dataclass(frozen=True)
@@ -62,17 +60,11 @@ def profile(m: float, nu: float) -> PowerProfile:
     return PowerProfile(load(nu) / ProfileContact(homogeneous, PowerProfile(1.0, m), 1.0).P, m)
 
 
-def normal_contact(point: Point):
-    """Closed-form normal contact of a point."""
-    solid, P = GradedHalfPlane(E0=1.0, nu=point.nu, k=point.k, y0=1.0), load(point.nu)
-    if point.m == 2:
-        return CylinderContact(solid, R=1.0, P=P)
-    return ProfileContact.from_load(solid, profile(point.m, point.nu), P, WIDEST)
-
-
 def by_theory(point: Point) -> Energies:
     """From the closed forms (51), (52), which neglect coupling."""
-    loop = normal_contact(point).fretting(point.mu, z=1 - point.amplitude)
+    solid = GradedHalfPlane(E0=1.0, nu=point.nu, k=point.k, y0=1.0)
+    contact = normal_contact(solid, profile(point.m, point.nu), load(point.nu))
+    loop = contact.fretting(point.mu, z=1 - point.amplitude)
     # the slip zone may be thin: its share of the half-width is what is sought
     c, width = loop.c, loop.a - loop.c
 
