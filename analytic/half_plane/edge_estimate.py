@@ -14,16 +14,14 @@ PRESSING = 4  # increments of the normal stage if friction acts in it
 class EdgeEstimate:
     """Left and right ends [length] of contact and stick.
 
-    contact, stick: at +Q_A at the end of the cycle; contact_reverse, stick_reverse: at -Q_A before. contact_range,
-    stick_range: shape (2, 2), for the left and the right edge the least and the greatest place between ±Q_A; stick's
-    at the ends of the branches only: in between it starts anew at the edge of contact. contact_states, stick_states:
-    shape (4 steps + 1, 2), at all states of the cycle.
+    contact, stick: at +Q_A at the end of the cycle. contact_range, stick_range: shape (2, 2), for the left and the
+    right edge the least and the greatest place between ±Q_A; stick's at the ends of the branches only: in between it
+    starts anew at the edge of contact. contact_states, stick_states: shape (4 steps + 1, 2), at all states of the
+    cycle, of which the middle one is at -Q_A.
     """
 
     contact: tuple[float, float]
     stick: tuple[float, float]
-    contact_reverse: tuple[float, float]
-    stick_reverse: tuple[float, float]
     contact_range: np.ndarray
     stick_range: np.ndarray
     contact_states: np.ndarray
@@ -53,8 +51,6 @@ def contact_edges(solver: HalfPlaneContact, P: float, Q_A: float, steps: int = 2
     return EdgeEstimate(
         contact=ends[-1].contact,
         stick=ends[-1].stick,
-        contact_reverse=ends[1].contact,
-        stick_reverse=ends[1].stick,
         contact_range=np.array([contact.min(axis=0), contact.max(axis=0)]).T,
         stick_range=np.array([stick.min(axis=0), stick.max(axis=0)]).T,
         contact_states=contact,

@@ -71,17 +71,16 @@ def simulate(
     P: float,
     mu: float,
     amplitude: float,
-    coupling: bool = True,
     cycles: int = 2,
     attempts=ATTEMPTS,
 ) -> SimulatedLoop:
-    """Loop of amplitude Q_A/(mu P). Two cycles: coupling shifts the first one by up to a few per cent of its energy.
+    """Coupled loop of amplitude Q_A/(mu P). Two cycles: the energy of the first one is off by up to a few per cent.
 
     Raises ContactNotConverged where no attempt converges.
     """
     failure = None
     for quarter, nodes in attempts:
-        solver = HalfPlaneContact(solid, profile, mu=mu, coupling=coupling, nodes=nodes)
+        solver = HalfPlaneContact(solid, profile, mu=mu, nodes=nodes)
         try:
             states = solver.run(schedule(P, amplitude * mu * P, quarter, cycles))
         except ContactNotConverged as reason:

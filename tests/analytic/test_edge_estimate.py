@@ -6,6 +6,7 @@ import pytest
 from analytic import CylinderContact, GradedHalfPlane, HalfPlaneContact, PowerProfile, contact_edges
 
 PROFILE, MU = PowerProfile(0.5, 2.0), 0.3
+MIDDLE = 4  # of the states of a cycle with two increments a quarter: that at -Q_A
 
 
 @pytest.mark.parametrize("k", [-0.5, 0.0, 0.7])
@@ -16,7 +17,7 @@ def test_without_coupling(k):
     a, c = exact.contact.a, exact.c
     assert edges.contact == pytest.approx((-a, a), rel=7e-3)
     assert edges.contact_range == pytest.approx(np.array([[-a, -a], [a, a]]), rel=7e-3)
-    for stick in (edges.stick, edges.stick_reverse):
+    for stick in (edges.stick, edges.stick_states[MIDDLE]):
         assert stick == pytest.approx((-c, c), abs=2e-3 * a)
 
 
@@ -30,5 +31,5 @@ def test_with_coupling(k, nu, mu):
     assert edges.contact == pytest.approx(fine.contact, abs=7e-3 * a)
     assert edges.contact_range == pytest.approx(fine.contact_range, abs=7e-3 * a)
     assert edges.stick == pytest.approx(fine.stick, abs=2e-3 * a)
-    assert edges.stick_reverse == pytest.approx(fine.stick_reverse, abs=2e-3 * a)
-    assert sum(edges.contact) < -0.02 * a < 0.02 * a < sum(edges.contact_reverse)
+    assert edges.stick_states[MIDDLE] == pytest.approx(fine.stick_states[2 * MIDDLE], abs=2e-3 * a)
+    assert sum(edges.contact) < -0.02 * a < 0.02 * a < sum(edges.contact_states[MIDDLE])
