@@ -103,7 +103,7 @@ class Result:
         """What the run is checked for after the solve, by name: value, limit, and whether it ``holds``.
 
         Errors are among them beside a closed form, which costs nothing. ``accuracy`` is, where ``solver.accuracy`` is
-        given: without a closed form the errors are estimated from a second mesh.
+        given: without a closed form the errors are estimated from a second mesh, and then every rank has to ask.
         """
         simulation, wanted = self.simulation, self.simulation.scene.solver.accuracy
         is_known = simulation.effects.has_closed_form and simulation.scene.reference.kind != "none"

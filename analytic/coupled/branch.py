@@ -37,7 +37,7 @@ class Branch:
         self._limit = problem.mu * (1 if isinstance(base, NormalStage) else 2)
         self._solver = EdgeSolver(problem, base, direction * problem.mu)
         self._guess = like.guessed if like else guess
-        self.loads, self._known = np.empty(0), []
+        self.loads, self._known, self._failure = np.empty(0), [], ""
         for load in self._spread(FIRST_BORNE * span, span, SPARSE):
             self._tried(load)
         if not len(self.loads) or self.loads[-1] < span:
@@ -54,7 +54,7 @@ class Branch:
     def nodes(self):
         """Loads in each of the ``parts`` that the energy needs; they are solved. Raises ContactNotConverged."""
         if self.first > FIRST_BORNE * self.span * (1 + 1e-12):
-            raise ContactNotConverged(f"the energy is not known: just after the turn {ARRIVAL}")
+            raise ContactNotConverged(f"the energy is not known: just after the turn {self._failure}")
         lows, count = [self.first, *self.parts[1:-1]], self.problem.order + EXTRA
         counts = [count, *[LATER] * (len(lows) - 1)]
         nodes = [self._spread(*part) for part in zip(lows, self.parts[1:], counts, strict=True)]
@@ -91,7 +91,8 @@ class Branch:
             return False
         try:
             self._add(load, *self._solved(load, ITERATIONS if load > FIRST_BORNE * self.span else MOST_ITERATIONS))
-        except ContactNotConverged:
+        except ContactNotConverged as failure:
+            self._failure = failure
             return False
         return True
 

@@ -9,8 +9,8 @@ from .stick import FEATURE, layout
 LONGEST_STEP = 0.3  # change of a variable in one step
 ITERATIONS = 30
 CUTS = 3  # steps in a row that would leave no stick, or leave the contact at the turn with it
-SLOW, STALLS = 0.8, 4  # part of the amplitudes left after a step with a new Jacobian, and how often that is borne;
-# so often, too, an edge may be known to FEATURE before that is enough
+SLOW, STALLS = 0.8, 4  # part of the amplitudes left after a step with a new Jacobian, and how often that is borne
+LAST = 4  # steps after an edge is known to FEATURE, before that is enough
 GROWTH = 1.5  # of the amplitudes that is borne in a step,
 FREE = 1e-3  # and amplitudes that are borne in any case
 FLAT = 0.03  # derivative of the amplitude at an edge of stick by its own variable; it is 0.1 to 0.3 elsewhere
@@ -77,7 +77,7 @@ class EdgeSolver:
             if (size < SETTLED and before < np.inf) or (size > before / 2 and size < BORNE):
                 return now.state, y
             closed += bracket.closed(self._edges(y, load), now.amplitudes)
-            if closed > STALLS:
+            if closed > LAST:
                 return now.state, y
             stalls += size > SLOW * before
             if stalls > STALLS:

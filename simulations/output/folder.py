@@ -98,16 +98,16 @@ def go_on(folder: Path):
     try:
         (folder / REPORT).unlink(missing_ok=True)
     except OSError as error:
-        raise OutputError(f"{folder} cannot be written: {error.strerror or error}; start again") from None
+        raise OutputError(f"{folder} cannot be written: {error.strerror or error}; then --resume goes on") from None
 
 
 def remove_run(folder: Path):
     """Take away the run in ``folder``, if there is one, and the folder with it where nothing else is in it.
 
-    Also the results of a run that has lost its scene. Locked where the run is going on.
+    Also the results of a run that has lost its scene, as an empty file is. Locked where the run is going on.
     """
-    has_lost_scene = not (folder / SCENE).exists() and "graded-fretting" in str(read_summary(folder).get("versions"))
-    if _is_of_a_run(folder / SCENE) or has_lost_scene:
+    is_of_a_run = "graded-fretting" in str(read_summary(folder).get("versions"))
+    if _is_of_a_run(folder / SCENE) or (has_lost_scene(folder) and is_of_a_run):
         lock = Lock(folder)
         try:
             _remove_results(folder)
@@ -115,6 +115,11 @@ def remove_run(folder: Path):
         finally:
             lock.release()
         _remove_empty((folder / field_index.FOLDER, folder))
+
+
+def has_lost_scene(folder: Path) -> bool:
+    """Whether there is no scene in ``folder``, or an empty one, which a power cut leaves."""
+    return not (folder / SCENE).exists() or not (folder / SCENE).read_bytes().strip(b"\0 \n")
 
 
 def _remove_results(folder):

@@ -19,8 +19,7 @@ from analytic.half_plane.linear import ContactNotConverged
 from ..command.command import comm, on_root, run, say
 from ..loading.stepping import SolveError
 from ..output.files import write_table, write_text
-from ..runs.comparison import compare, worst
-from ..runs.comparison import NoReference
+from ..runs.comparison import NoReference, compare, worst
 from ..runs.simulation import Simulation
 from ..runs.step_free import LOWER, StepFree
 from ..scene import SceneError, make_scene

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from ..fem.parallel import on_root
-from ..output.folder import FILES, locked, remove_run
+from ..output.folder import FILES, has_lost_scene, locked, remove_run
 from ..scene import SceneError, shown
 from .engine import Item
 from .store import Store
@@ -55,7 +55,7 @@ def _make_ready(folder, items, overwrite):
     try:
         # a run that was kept and has lost its scene would be refused as another's, and could never be solved again
         own = [Path(item.values["folder"]) for item in items if item.key in kept and "folder" in item.values]
-        lost = [run_folder for run_folder in own if not (run_folder / FILES[0]).exists()]
+        lost = [run_folder for run_folder in own if has_lost_scene(run_folder)]
         for run_folder in sorted(folder.glob("run-[0-9]*")) if overwrite else lost:
             remove_run(run_folder)
         if overwrite:

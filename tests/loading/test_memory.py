@@ -183,6 +183,14 @@ def test_pressed_with_friction_and_relieved_at_no_tangential_load():
     assert [entry.step.P for entry in all_states(simulation.history)] == pytest.approx([1, 0.825, 0.65, 0.475, 0.3])
 
 
+def test_where_friction_from_first_contact_does_nothing_no_traction_is_compared():
+    """At the Holl ratio without Q: errors of a traction that is 0 would be nan, and an accuracy never reached."""
+    pressed = HOLL | {"load.mu": 0.3, "load.points": [[1e6, 0.0], [3e5, 0.0]]}
+    simulation = run(pressed, 2, **{"effects.friction_in_normal_stage": True, "mesh.edge_facet": 0.01})
+    errors = compare(simulation.history, of_same_physics(simulation))
+    assert set(errors) == {"pressure_l2", "a"} and np.isfinite([*errors.values()]).all()
+
+
 FEW = {
     "PATIENT": (-0.3, -0.2, 0.4, 0.2, 3, 0.004),
     "KEEPS": (-0.2, -0.2, 0.55, 0.15, 2, 0.003),

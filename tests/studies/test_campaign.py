@@ -4,8 +4,7 @@ import pytest
 from mpi4py import MPI
 from running import run_command
 
-from simulations.runs.comparison import apart, compare_state
-from simulations.runs.comparison import NoReference
+from simulations.runs.comparison import NoReference, apart, compare_state
 from simulations.runs.mesh_free import steps_for_one
 from simulations.runs.reference import closed_form, of_same_physics
 from simulations.runs.simulation import Simulation
