@@ -19,9 +19,6 @@ from .scene import SceneError, parse, shown
 from .studies.body_stress import draw, half_width, inside
 
 PAGE = "report.html"
-# What the page needs of every run: keys of summary.json and columns of history.csv
-KEYS = "title converged checks_hold failure increments newton_iterations cuts dofs ranks seconds versions".split()
-COLUMNS = "increment branch cycle state a[m] iterations residual".split()
 SHOWN_STATES = 6  # of the body
 STYLE = """body{font:15px/1.45 sans-serif;max-width:64em;margin:2em auto;padding:0 1em;color:#222}
 h1{font-size:1.5em}h2{font-size:1.1em;margin:1.2em 0 .2em}p{margin:.3em 0}
@@ -65,40 +62,28 @@ def read(arguments: list[str]) -> Path:
 
 def page(folder: Path) -> str:
     """The page as HTML; everything it shows is in it. SceneError where the files are not those of a run."""
-    summary, rows, scene = _read(folder)
-    words = asked(parse(scene, name=f"scene {shown(folder / 'scene.toml')}"))
-    title = summary["title"] or folder.name
-    parts = [_verdict(summary), "<h2>What was asked</h2>", *map(_paragraph, words)]
-    parts += ["<h2>What was found</h2>", _found(summary), _fields(summary), "<h2>Checks</h2>", _checks(summary)]
-    try:
-        parts += [_picture(folder, summary), _surface(folder, rows), _body(folder, rows)]
-    except OSError as error:  # how h5py says that a file is damaged
-        raise _refusal(folder, repr(error)) from None
-    parts += ["<h2>How it was solved</h2>", _solved(summary), _history(rows)]
-    parts.append(f"<details><summary>Scene</summary><pre>{html.escape(scene)}</pre></details>")
-    head = f"<meta charset='utf-8'><title>{html.escape(title)}</title><style>{STYLE}</style>"
-    body = f"<h1>{html.escape(title)}</h1>{''.join(parts)}"
-    return f"<!doctype html><html lang='en'><head>{head}</head><body>{body}</body></html>"
-
-
-def _read(folder: Path) -> tuple[dict, list[dict[str, str]], str]:
-    """summary.json, the rows of history.csv and scene.toml; SceneError where they are not those of a run."""
     try:
         summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
         with open(folder / "history.csv", newline="", encoding="utf-8") as file:
             rows = list(csv.DictReader(file))
         scene = (folder / "scene.toml").read_text(encoding="utf-8")
-    except (ValueError, OSError, csv.Error) as error:
-        raise _refusal(folder, repr(error)) from None
-    absent = [name for name in KEYS if not (isinstance(summary, dict) and name in summary)]
-    absent += [name for name in COLUMNS if not rows or any(row.get(name) is None for row in rows)]
-    if absent:
-        raise _refusal(folder, f"{absent[0]} is missing")
-    return summary, rows, scene
-
-
-def _refusal(folder, why) -> SceneError:
-    return SceneError(f"{shown(folder)}: its files are not those of a run: {why}")
+        words = asked(parse(scene, name=f"scene {shown(folder / 'scene.toml')}"))
+        title = summary["title"] or folder.name
+        parts = [_verdict(summary), "<h2>What was asked</h2>", *map(_paragraph, words)]
+        parts += ["<h2>What was found</h2>", _found(summary), _fields(summary), "<h2>Checks</h2>", _checks(summary)]
+        if (folder / "fretting.png").is_file():
+            has_lines = summary.get("errors") or summary.get("differences")
+            lines = " on the lines of what the run is compared with" if has_lines else ""
+            parts.append(f"<h2>Computed points{lines}</h2>")
+            parts.append(_image((folder / "fretting.png").read_bytes(), "computed points", "beside"))
+        parts += [_surface(folder, rows), _body(folder, rows), "<h2>How it was solved</h2>", _solved(summary)]
+        parts.append(_history(rows))
+        parts.append(f"<details><summary>Scene</summary><pre>{html.escape(scene)}</pre></details>")
+    except (KeyError, IndexError, TypeError, AttributeError, ValueError, OSError) as error:
+        raise SceneError(f"{shown(folder)}: its files are not those of a run: {error!r}") from None
+    head = f"<meta charset='utf-8'><title>{html.escape(title)}</title><style>{STYLE}</style>"
+    body = f"<h1>{html.escape(title)}</h1>{''.join(parts)}"
+    return f"<!doctype html><html lang='en'><head>{head}</head><body>{body}</body></html>"
 
 
 def _verdict(summary):
@@ -155,15 +140,6 @@ def _checks(summary):
         numbers = ("none" if v is None else f"{abs(v):.1e}" if v else "0" for v in (check["value"], check["limit"]))
         table.append([CHECKS.get(name, name), *numbers, "holds" if check["holds"] else "fails"])
     return _table(table)
-
-
-def _picture(folder, summary):
-    if not (folder / "fretting.png").is_file():
-        return ""
-    has_lines = summary.get("errors") or summary.get("differences")
-    lines = " on the lines of what the run is compared with" if has_lines else ""
-    image = _image((folder / "fretting.png").read_bytes(), "computed points", "beside")
-    return f"<h2>Computed points{lines}</h2>" + image
 
 
 def _surface(folder, rows):

@@ -238,33 +238,6 @@ def test_folders_without_a_run_are_refused(tmp_path, content):
     assert "\n" not in str(error.value) and not (tmp_path / "report.html").exists()
 
 
-@pytest.mark.parametrize(
-    "name, content, why",
-    [
-        ("summary.json", "[]", "title is missing"),
-        ("summary.json", "{", "JSONDecodeError"),
-        ("history.csv", "", "increment is missing"),
-        ("history.csv", "increment,branch\n1,normal\n", "cycle is missing"),
-        ("surface.h5", "", "OSError"),
-    ],
-)
-def test_files_of_no_run_are_refused(name, content, why, folder):
-    (folder / name).write_text(content)
-    with pytest.raises(SceneError, match=f"its files are not those of a run: .*{why}") as error:
-        report.page(folder)
-    assert "\n" not in str(error.value)
-
-
-def test_an_error_of_the_program_is_not_taken_for_one_of_the_files(folder, monkeypatch):
-    def convergence(rows):
-        raise KeyError("a name that the program has wrong")
-
-    monkeypatch.setattr(page_figures, "convergence", convergence)
-    without_pictures(folder)
-    with pytest.raises(KeyError):
-        report.page(folder)
-
-
 WITHOUT_POWER_LAW = {"k": None, "y0_over_a0": None}
 
 
