@@ -155,7 +155,7 @@ def run_scene(values: Row) -> Row:
 
 
 def prepared(scene: Scene, previous: Simulation | None) -> Simulation:
-    """The simulation of a scene, with the body of the previous one where that is its own: numbers change by round-off."""
+    """The simulation of a scene, with the body of the previous one where that is its own, to round-off."""
     mesh_of = previous.mesh_of if previous else None
     is_same = mesh_of is not None and Plan(scene, Stopwatch()).graded_for == mesh_of
     return Simulation(MPI.COMM_SELF, scene, like=previous if is_same else None)

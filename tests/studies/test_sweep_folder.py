@@ -43,11 +43,14 @@ def test_another_sweep_is_refused(swept, values, more):
     assert contents(swept) == before
 
 
-@pytest.mark.parametrize("lost", ["scene.toml", "history.csv", "summary.json"])
+@pytest.mark.parametrize("lost", ["scene.toml", "history.csv", "summary.json", "what is in scene.toml"])
 @pytest.mark.parametrize("more", [(), ("--overwrite",)])
 def test_a_run_that_is_not_whole_is_solved_again(swept, tmp_path, lost, more):
     folder = shutil.copytree(swept, tmp_path / "sweep")
-    (folder / "run-0002" / lost).unlink()
+    if lost in run_folder.FILES:
+        (folder / "run-0002" / lost).unlink()
+    else:  # by a power cut
+        (folder / "run-0002" / "scene.toml").write_bytes(bytes(300))
     run(folder, "0.2,0.25", "--folders", *more)
     assert read_scene(folder / "run-0002").mu == 0.25 and run_folder.is_whole(folder / "run-0002")
     assert friction_of(folder)[:2] == [0.2, 0.25]
