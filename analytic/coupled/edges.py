@@ -20,7 +20,6 @@ LEAST_STICK = 1e-4  # share of the contact that has to stick
 SETTLED = 1e-8  # largest amplitude (see ``linear.Solution``) at which the edges rest,
 BORNE = 1e-7  # and that borne where it falls no further: rounding, where slip has hardly begun
 JUMP = 1e-6  # amplitude borne at a place that is known to FEATURE: there the basis changes, and the amplitude with it
-
 FADED = 0.1  # part of the present amplitude below which an opposite one, halved again and again, counts no more
 REACHED = 0.99  # share of the way to a place with an amplitude of the other sign, from which a step passes it
 STICK = ((1, -1), (2, 1))  # edges of stick, and which way is outwards

@@ -144,13 +144,13 @@ def test_a_lock_ends_with_its_owner(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "namespace, who", [("pid:[1]", "a process in a container"), (lock.FIRST_NAMESPACE, f"process {os.getpid()}")]
+    "namespace, who", [("pid:[1]", "a process in a container"), (lock.FIRST_NAMESPACE, "process {}")]
 )
 def test_the_number_of_a_locks_owner_in_a_container_is_not_told(tmp_path, monkeypatch, namespace, who):
     """On the host it is that of another process."""
     monkeypatch.setattr(lock, "_pid_namespace", lambda: namespace)
     held = Lock(tmp_path)
-    with pytest.raises(Locked, match=f"locked: {who} on "):
+    with pytest.raises(Locked, match=f"locked: {who.format(os.getpid())} on "):
         Lock(tmp_path)
     held.release()
 
