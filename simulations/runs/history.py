@@ -106,8 +106,8 @@ class History:
 
     def _work(self, step: LoadStep, after: Moment) -> np.ndarray:
         """Frictional work (n,) since the start."""
-        loads = [0.0, *(entry.step.P for entry in self.entries), step.P]
-        if self.m and step.branch == "normal" and all(a < b for a, b in zip(loads, loads[1:])):
+        steps = [*(entry.step for entry in self.entries), step]
+        if self.m and pressed_first(steps) == len(steps):
             return work_of_pressing(after, self.mu, self.k, self.m)
         if not self.entries:
             return np.zeros_like(after.s)

@@ -72,7 +72,7 @@ class Plan:
         if not self.effects.has_closed_form:
             numbers += [mu, self.scaled.elastic_compliance(scene)]
         on = tuple(name for name, verdict in self.effects.verdicts.items() if verdict.on)
-        kind = type(law), on, scene.is_loop, getattr(scene.load, "bulk_phase", None)
+        kind = type(law), on, scene.is_loop, scene.bulk_phase
         mesh = scene.mesh.degree, scene.mesh.edges, *scene.cell_sizes.items()
         return *kind, *mesh, *(float(f"{number:.12g}") for number in numbers)
 
@@ -134,7 +134,7 @@ class Plan:
     def _loop(self, cycles: int, quarter: int, normal: list[LoadStep]) -> list[LoadStep]:
         """The normal stage and rocking, ``quarter`` load steps per Q_A."""
         scene, scales = self.scene, self.scaled.scales
-        strained, phase = "bulk strain" in self.effects, scene.load.bulk_phase or 0.0
+        strained, phase = "bulk strain" in self.effects, scene.bulk_phase
         harmonic = strained and phase not in (0.0, "constant")  # else Q and strain go straight
         schedule = normal + rocking(1.0, scene.load.amplitude * self.mu, cycles, quarter, harmonic)
         if not strained:
