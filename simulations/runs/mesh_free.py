@@ -1,7 +1,9 @@
 """Reference of coupled runs: the mesh-free half-plane solver under the same loads, with load steps of its own."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from itertools import pairwise
+from math import ceil, log10
 
 import numpy as np
 
@@ -20,6 +22,8 @@ NODES = (400, 300)  # the next number is tried where one does not converge
 FINER = 2  # load steps of the reference for one of the run: what depends on the steps is not shared
 STEPS_TO_POINT = 8  # load steps from point to point of a path: with fewer the error does not yet fall like the step
 FEWER_NODES = (200, 150)  # with more load steps: their error is then what counts, and a load step costs a fifth
+STEPS_SINCE_TURN = 24  # in which the distance from the last turn of Q grows tenfold,
+FIRST_SINCE_TURN = 0.1  # and the first of them over the distance of the first load after the turn
 SHARE_OF_NODES = 0.75  # nodes for one, and half of the load steps, for an estimate of the reference's error
 
 
@@ -31,6 +35,8 @@ class MeshFree(OfStates):
     the same with fewer of both, made if ``estimated``: points that enter contact within a load step keep an error of
     first order in it, also at constant P where coupling moves the contact. The difference is about the error of this
     solution.
+    since_turn: numbers of load steps that are divided by ``shares_since_turn``, into ``finer`` steps there; all others
+    stay one step.
     """
 
     name = "mesh-free half-plane solver"
@@ -42,10 +48,15 @@ class MeshFree(OfStates):
         nodes: tuple[int, ...] = NODES,
         finer: int | None = None,
         estimated: bool = False,
+        since_turn: Sequence[int] = (),
     ):
-        self.finer = finer = finer or steps_for_one(simulation)
-        friction_first = "friction in normal stage" in simulation.effects
-        loads, places = refined(simulation.schedule, friction_first, finer)
+        self.since_turn = since_turn
+        self.finer = finer or (STEPS_SINCE_TURN if since_turn else steps_for_one(simulation))
+        if since_turn:
+            shares = shares_since_turn(simulation.schedule, since_turn, self.finer)
+        else:
+            shares = equal_shares(simulation.schedule, "friction in normal stage" in simulation.effects, self.finer)
+        loads, places = refined(simulation.schedule, shares)
         failure = None
         for count in nodes:
             try:
@@ -64,12 +75,12 @@ class MeshFree(OfStates):
             raise NoReference(f"{failure}; {coating}" if coating else str(failure))
         found = [states[place] for place in places]
         super().__init__(found, _dissipated(found, simulation.schedule, simulation.pressing_with_friction))
-        self.coarser = self._coarser(simulation, nodes) if estimated else None
+        self.coarser = self._coarser(simulation, nodes, since_turn) if estimated else None
 
-    def _coarser(self, simulation, nodes):
+    def _coarser(self, simulation, nodes, since_turn):
         fewer = tuple(int(SHARE_OF_NODES * count) for count in nodes if count <= self.nodes)
         try:
-            return MeshFree(simulation, nodes=fewer, finer=self.finer // 2)
+            return MeshFree(simulation, nodes=fewer, finer=self.finer // 2, since_turn=since_turn)
         except NoReference as failure:
             raise NoReference(f"the error of the {self.name} is not known: {failure}") from None
 
@@ -92,14 +103,44 @@ def steps_for_one(simulation: Simulation) -> int:
     return max(FINER, -(-STEPS_TO_POINT // scene.solver.increments)) if scene.is_path else FINER
 
 
-def refined(schedule: list[LoadStep], friction_first: bool, finer: int) -> tuple[list[Load], list[int]]:
-    """Loads with ``finer`` steps in the place of one, and where those of the schedule are among them.
+def equal_shares(schedule: Sequence[LoadStep], friction_first: bool, finer: int) -> list[np.ndarray]:
+    """Shares of the way to each load after the first at which a load step ends: ``finer`` equal ones.
 
-    The first stays one step, as does frictionless pressing, which leaves no memory.
+    Frictionless pressing, which leaves no memory, stays one step.
     """
+    shares = []
+    for before, step in pairwise(schedule):
+        steps = finer if friction_first or any(step.load[1:]) or any(before.load[1:]) else 1
+        shares.append(np.arange(1, steps + 1) / steps)
+    return shares
+
+
+def shares_since_turn(schedule: Sequence[LoadStep], numbers: Sequence[int], steps: int) -> list[np.ndarray]:
+    """The same with one step to each load but those of these ``numbers``. On the way there the distance of Q from the
+    last turn grows by a constant factor, tenfold in so many ``steps``: just after a turn tractions depend on that
+    distance like a power, so it is this factor that tells how far points that come into contact in stick are off.
+    """
+    shares: list[np.ndarray] = []
+    turn = direction = 0.0
+    for number, (before, step) in enumerate(pairwise(schedule), 1):
+        way = np.sign(step.Q - before.Q)
+        if way not in (0.0, direction):
+            turn, direction = before.Q, way
+        near, far = abs(before.Q - turn), abs(step.Q - turn)
+        if number in numbers and far > near:
+            least = near or FIRST_SINCE_TURN * far
+            distances = np.geomspace(least, far, ceil(steps * log10(far / least)) + 1)
+            distances = distances[distances > near]
+            shares.append((distances - near) / (far - near))
+        else:
+            shares.append(np.ones(1))
+    return shares
+
+
+def refined(schedule: Sequence[LoadStep], shares: list[np.ndarray]) -> tuple[list[Load], list[int]]:
+    """Loads after these ``shares`` of the way to each but the first, and where those of the schedule are among them."""
     all_loads, places = [schedule[0].load], [0]
-    for before, step in zip((step.load for step in schedule), schedule[1:]):
-        steps = finer if friction_first or any(step.load[1:]) or any(before[1:]) else 1
-        all_loads += [step.on_the_way(before, share) for share in np.arange(1, steps + 1) / steps]
+    for (before, step), parts in zip(pairwise(schedule), shares, strict=True):
+        all_loads += [step.on_the_way(before.load, share) for share in parts]
         places.append(len(all_loads) - 1)
     return all_loads, places

@@ -64,23 +64,25 @@ def of_same_physics(simulation: Simulation, tell: Tell | None = None) -> Referen
         raise NoReference("there is no closed form of this problem, and reference.kind = closed form")
     if serves(simulation.scene, simulation.effects):
         try:
-            return StepFree(simulation, estimated=True)
+            return StepFree(simulation, estimated=True, filled=True, tell=tell)
         except NoReference:  # the other solver may
-            pass
+            if simulation.scene.is_loop:  # points come into contact in stick up to a turn, say
+                every = range(1, len(simulation.schedule))
+                return _mesh_free(simulation, tell, nodes=FEWER_NODES, since_turn=every)
     return _mesh_free(simulation, tell)
 
 
-def _mesh_free(simulation, tell) -> MeshFree:
+def _mesh_free(simulation, tell, **options) -> MeshFree:
     """With its error, which mostly falls like its load steps: with more of these, should it be larger than a run's may
     be and they help.
     """
-    reference = MeshFree(simulation, tell, estimated=True)
+    reference = MeshFree(simulation, tell, estimated=True, **options)
     excess = _excess(simulation, reference)
     if not excess > 1.0:
         return reference
     finer = reference.finer * 2 ** min(ceil(log2(excess)), HALVINGS)
     try:
-        other = MeshFree(simulation, tell, FEWER_NODES, finer, estimated=True)
+        other = MeshFree(simulation, tell, estimated=True, **options | {"nodes": FEWER_NODES, "finer": finer})
     except NoReference:
         return reference
     return other if _excess(simulation, other) < excess else reference
@@ -98,9 +100,16 @@ def describe(reference: Reference, simulation: Simulation) -> str:
     strain = " with bulk strain" if isinstance(reference, StretchedForm) else ""
     if not isinstance(reference, (Springs, StretchedForm)):
         friction = "the same friction" if scene.friction else "no friction"
-        nodes = f" of {reference.nodes} nodes" if isinstance(reference, MeshFree) else ""
-        if isinstance(reference, MeshFree) and reference.finer > steps_for_one(simulation):
-            nodes += f" and {reference.finer} load steps for one"
+        nodes = ""
+        if isinstance(reference, StepFree) and reference.between:
+            other, states = reference.between, len(reference.states)
+            nodes = f", and at {len(reference.gaps)} of {states} states {other.name} of {other.nodes} nodes,"
+        if isinstance(reference, MeshFree):
+            nodes = f" of {reference.nodes} nodes"
+            if reference.since_turn:
+                nodes += f" and {reference.finer} load steps for ten times the distance from a turn"
+            elif reference.finer > steps_for_one(simulation):
+                nodes += f" and {reference.finer} load steps for one"
         own = ", whose own error is added to those of p, q, slip and energy" if reference.coarser else ""
         coupling = " and coupling" if "coupling" in simulation.effects else ""
         return f"{reference.name}{nodes} with {friction}{coupling}{own}"

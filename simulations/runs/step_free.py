@@ -1,10 +1,12 @@
 """Reference of coupled loops: states of the half-plane found directly from the last turn of Q, without load steps."""
 
-from analytic.coupled.loop import ORDER, known
+from analytic.coupled.loop import ORDER
+from analytic.coupled.state import CoupledState
 from analytic.half_plane.linear import ContactNotConverged
 
 from .comparison import NoReference, OfStates
 from .coupled_loop import loop_of, states_of
+from .mesh_free import FEWER_NODES, MeshFree, Tell
 from .simulation import Simulation
 from .springs import last_cycle
 
@@ -14,26 +16,63 @@ LOWER = 2  # by which the order is lower for the estimate of the error
 class StepFree(OfStates):
     """States of ``analytic.CoupledLoop`` at the load steps of a simulation; NoReference where it does not converge.
 
-    order: of its basis; like: states of another order, see ``CoupledLoop.run``. coarser: the same with a lower order,
-    made if ``estimated``; the difference is more than the error of this solution.
+    order: of its basis; like: the same of another order, see ``CoupledLoop.where_known``. coarser: the same with a
+    lower order, made if ``estimated``; the difference is more than the error of this solution.
+    gaps: numbers of load steps without a state, as points come into contact in stick there. If ``filled`` these states
+    are those of ``between``, the mesh-free solver, and so is the energy where these loads leave it open; else there is
+    no reference. tell: see ``MeshFree``.
     """
 
     name = "half-plane solver without load steps"
 
-    def __init__(self, simulation: Simulation, order: int = ORDER, estimated: bool = False, like=()):
+    def __init__(
+        self,
+        simulation: Simulation,
+        order: int = ORDER,
+        estimated: bool = False,
+        filled: bool = False,
+        like: "StepFree | None" = None,
+        tell: Tell | None = None,
+    ):
+        states = self._found(simulation, order, like)
+        missing = {n: state for n, state in enumerate(states) if isinstance(state, ContactNotConverged)}
+        if missing and not (filled or like and missing.keys() <= set(like.gaps)):
+            raise NoReference(str(next(iter(missing.values()))))
+        self.gaps: list[int] = list(like.gaps if like else missing)
+        self.between: MeshFree | None = None
+        if like and like.between:
+            self.between = like.between.coarser
+        elif self.gaps:
+            self.between = MeshFree(simulation, tell, FEWER_NODES, estimated=estimated, since_turn=self.gaps)
+        for number in self.gaps if self.between else ():
+            states[number] = self.between.states[number]
+        super().__init__(states, self._energy_of(states, simulation))
+        self.coarser = self._other(simulation, order) if estimated else None
+
+    @staticmethod
+    def _found(simulation, order, like) -> list:
+        """The states, or the reason in the place of one."""
         coupled = "coupling" in simulation.effects
         loop = loop_of(simulation.scaled, simulation.mu, coupled, order)
         loads = tuple((step.P, step.Q) for step in simulation.schedule)
         try:
-            states = loop.run(loads, like) if like else known(states_of(loop, loads))
-            super().__init__(states, last_cycle(states, simulation.schedule))
+            if like:
+                return loop.where_known(loads, [state for state in like.states if isinstance(state, CoupledState)])
+            return list(states_of(loop, loads))
         except (ContactNotConverged, ValueError, ArithmeticError) as failure:
             raise NoReference(str(failure)) from None
-        self.coarser = self._other(simulation, order) if estimated else None
+
+    def _energy_of(self, states, simulation) -> float:
+        try:
+            return last_cycle(states, simulation.schedule)
+        except ContactNotConverged as failure:
+            if self.between is None:
+                raise NoReference(str(failure)) from None
+            return self.between.dissipated_energy()
 
     def _other(self, simulation, order):
         """Another order of the basis; a higher one where the lower does not converge."""
         try:
-            return StepFree(simulation, order - LOWER, like=self.states)
+            return StepFree(simulation, order - LOWER, like=self)
         except NoReference:
-            return StepFree(simulation, order + LOWER, like=self.states)
+            return StepFree(simulation, order + LOWER, like=self)

@@ -154,7 +154,7 @@ def test_the_mesh_free_solver_states_its_error_where_an_edge_sticks():
     finer = of_same_physics(few)
     assert isinstance(finer, MeshFree) and finer.finer > reference.finer
     assert own_errors(few.history, finer)["traction_l2"] < own["traction_l2"] / 2
-    assert f"{finer.finer} load steps for one" in describe(finer, few)
+    assert f"{finer.finer} load steps for ten times the distance" in describe(finer, few)
 
 
 @pytest.mark.slow

@@ -12,7 +12,7 @@ from simulations.fem.body_sample import BodySampler
 from simulations.loading.schedule import rocking, stretched
 from simulations.runs.comparison import compare, relative_l2, worst
 from simulations.runs.energy import EnergyMeter, worst_defect
-from simulations.runs.mesh_free import MeshFree, refined
+from simulations.runs.mesh_free import MeshFree, equal_shares, refined
 from simulations.runs.reference import of_same_physics
 from simulations.runs.simulation import Simulation
 from simulations.runs.stretched import StretchedForm
@@ -125,7 +125,7 @@ def test_strain_behind_the_load():
 def test_steps_of_a_lagging_strain_go_round_an_ellipse():
     """Steps equal in the angle; those of the reference lie between them on the ellipse; B and D at half of Q_A."""
     schedule = stretched(rocking(1.0, 0.6, cycles=1, quarter=3, harmonic=True), 2.0, 60)
-    loads, places = refined(schedule, friction_first=False, finer=4)
+    loads, places = refined(schedule, equal_shares(schedule, friction_first=False, finer=4))
     assert np.array(loads)[places] == pytest.approx(np.array([step.load for step in schedule]))
     _, Q, strain = np.array(loads[places[2] :]).T
     angle = np.linspace(0, 2 * np.pi, len(Q))

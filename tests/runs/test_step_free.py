@@ -1,0 +1,46 @@
+"""The reference of coupled loops: states without load steps, and where there is none those of the mesh-free solver."""
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from analytic.coupled.state import CoupledState
+from simulations.loading.schedule import pressing, rocking
+from simulations.runs.comparison import apart, own_errors
+from simulations.runs.mesh_free import STEPS_SINCE_TURN, MeshFree, refined, shares_since_turn
+from simulations.runs.reference import describe, of_same_physics
+from simulations.runs.simulation import Simulation
+from simulations.runs.step_free import StepFree
+from simulations.scene import make_scene
+
+SCENE = {"solid.k": -0.543, "solid.nu": -0.083, "load.mu": 0.0994, "load.amplitude": 0.661, "solver.increments": 2}
+SCENE |= {"mesh.facet": 0.1, "mesh.edge_facet": 0.02}
+
+
+@pytest.mark.slow
+def test_states_that_points_in_stick_leave_open_are_those_of_the_mesh_free_solver():
+    """Two of ten load steps; the energy and all other states are known without load steps."""
+    simulation = Simulation(MPI.COMM_SELF, make_scene(SCENE)).run_to_end()
+    reference = of_same_physics(simulation)
+    assert isinstance(reference, StepFree) and reference.gaps == [3, 7]
+    assert "at 2 of 11 states mesh-free" in describe(reference, simulation)
+    assert all(isinstance(state, CoupledState) != (n in (3, 7)) for n, state in enumerate(reference.states))
+    own = [apart(entry, reference.coarser, reference)["traction_l2"] for entry in simulation.history.entries[1:]]
+    known = np.delete(own, [2, 6])
+    assert known.max() < 1e-5 < 1e-2 < min(own[2], own[6])
+    assert own_errors(simulation.history, reference)["dissipated_energy"] < 3e-3
+    closer = MeshFree(simulation, nodes=(200,), finer=2 * STEPS_SINCE_TURN, since_turn=reference.gaps)
+    for number in reference.gaps:  # what is stated as the reference's own error is not less than it is
+        entry = simulation.history.entries[number]
+        assert own[number - 1] > apart(entry, reference, closer)["traction_l2"]
+
+
+def test_load_steps_since_a_turn_grow():
+    """Tenfold in so many; the other loads are reached in one step."""
+    schedule = [*pressing(1.0), *rocking(1.0, 0.4, cycles=1, quarter=4)]
+    shares = shares_since_turn(schedule, [1, 5, 6], 10)
+    assert [len(parts) for parts in shares] == [11, 1, 1, 1, 11, 4, *[1] * 14]
+    loads, places = refined(schedule, shares)
+    assert np.array(loads)[places] == pytest.approx(np.array([step.load for step in schedule]))
+    ways = 0.4 - np.array(loads)[places[4] + 1 : places[6] + 1, 1]
+    assert ways[0] == pytest.approx(0.01) and np.all(ways[1:] / ways[:-1] < 1.26)
