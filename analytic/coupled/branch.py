@@ -22,6 +22,7 @@ LEAST_WIDTH = 0.02  # of slip inside the contact at the turn, over the load, whe
 MOST_ITERATIONS = 12  # iterations at loads that need no solution
 CONDITIONS = 1e-5  # violation of the conditions of friction that is borne, in units of the problem,
 BACKWARDS = 0.01, 1e-8  # and of slip since the state before: over that in the right direction, and in any case
+SLIPPED_AGAIN = 1.5  # times the largest load without a state: from there on all points that came in stick have slipped
 
 
 class Branch:
@@ -42,8 +43,10 @@ class Branch:
             self._tried(load)
         if not len(self.loads) or self.loads[-1] < span:
             self._add(span, *self._solved(span))
-        self._reach(min(LEAST_OVER_LIKE * like.first, FIRST_BORNE * span) if like else FIRST * span)
+        least = min(LEAST_OVER_LIKE * like.first, FIRST_BORNE * span) if like else FIRST * span
+        self._reach(least)
         self.first = self.loads[0]
+        self._has_all = self.first <= least * (1 + 1e-12)
 
     @cached_property
     def parts(self):
@@ -165,6 +168,23 @@ class Branch:
         except ContactNotConverged as failure:
             raise ContactNotConverged(f"Q = {Q:g} P: {failure}") from None
         return state
+
+    def is_certain(self, Q):
+        """False where points that came into contact in stick may stick still: the state at Q is as if they slipped."""
+        return abs(Q - self.base.Q) >= SLIPPED_AGAIN * self._last_without
+
+    @cached_property
+    def _last_without(self):
+        """Largest distance from the turn at which there is no state, as far as the known ones tell; 0 for none."""
+        last = 0.0 if self._has_all else self.first
+        for load, state, _ in self._known:
+            try:
+                self._check(state)
+            except ContactNotConverged:
+                last = load
+            else:
+                break
+        return last
 
     def _check(self, state):
         x_l, x_r = state.contact

@@ -45,7 +45,8 @@ class CoupledLoop:
 
         like: states at the same loads of a basis of another order, from which the edges are guessed; the least load
         that is solved for the energy is larger then, so that the difference is about the error. A load between turns
-        without a state has the reason in its place: points may come into contact in stick just after a turn.
+        without a state has the reason in its place: points may come into contact in stick just after a turn. Some states
+        after such loads are not certain, see ``CoupledState``.
 
         Raises ValueError for P <= 0, |Q| >= mu P or a first Q != 0; ContactNotConverged, with the reason.
         """
@@ -89,7 +90,7 @@ class CoupledLoop:
                     states.append(CoupledState(units, problem, normal, reached, branch, friction, turn))
                 except ContactNotConverged as failure:
                     states.append(failure)
-            (turn,), base = known(states[-1:]), reached
+            turn, base = _found(states[-1]), reached
             branches.append(branch)
         return states
 
@@ -103,13 +104,19 @@ class CoupledLoop:
 
 
 def known(states: Sequence[CoupledState | ContactNotConverged]) -> list[CoupledState]:
-    """The states, if none is missing; else ContactNotConverged, the first reason."""
+    """The states, if all are certain; else ContactNotConverged, the first reason."""
     found = []
-    for state in states:
-        if isinstance(state, ContactNotConverged):
-            raise state
+    for state in map(_found, states):
+        if not state.is_certain:
+            raise ContactNotConverged(f"Q = {state.Q:g}: points that came into contact in stick may stick still")
         found.append(state)
     return found
+
+
+def _found(state):
+    if isinstance(state, ContactNotConverged):
+        raise state
+    return state
 
 
 def branches_of(loads):

@@ -42,7 +42,7 @@ class CoupledState:
     weights [length]; pressure, traction [stress]; slip: u_x - delta_x since the end of the normal stage [length];
     gap [length]; contact, stick: left and right edge [length]; stick_zones: shape (1, 2);
     delta_x, delta_y: displacements of the indenter [length], for k <= 0 up to a constant times the loads; branch:
-    ``Branch`` of the state, None before Q acts; iterations: linear solves of that branch.
+    ``Branch`` of the state, None before Q acts; iterations: linear solves of that branch; is_certain: see ``Branch``.
     """
 
     def __init__(self, units, problem, normal, state, branch=None, friction=None, turn=None):
@@ -56,6 +56,7 @@ class CoupledState:
         self.delta_x = units.displacement * state.delta_x + units.shift_x * state.Q
         self.delta_y = units.displacement * state.delta_y + units.shift_y
         self.branch, self.iterations = branch, branch.solves if branch else 0
+        self.is_certain = branch is None or (turn is None or turn.is_certain) and branch.is_certain(state.Q)
         x_l, x_r = state.contact
         x, weight = smooth_rule(x_l, x_r, state.breaks)
         self._nodes = x

@@ -1,6 +1,6 @@
 """Reference of coupled loops: states of the half-plane found directly from the last turn of Q, without load steps."""
 
-from analytic.coupled.loop import ORDER
+from analytic.coupled.loop import ORDER, known
 from analytic.coupled.state import CoupledState
 from analytic.half_plane.linear import ContactNotConverged
 
@@ -35,7 +35,7 @@ class StepFree(OfStates):
         tell: Tell | None = None,
     ):
         states = self._found(simulation, order, like)
-        missing = {n: state for n, state in enumerate(states) if isinstance(state, ContactNotConverged)}
+        missing = {n: reason for n, reason in enumerate(map(_reason, states)) if reason}
         if missing and not (filled or like and missing.keys() <= set(like.gaps)):
             raise NoReference(str(next(iter(missing.values()))))
         self.gaps: list[int] = list(like.gaps if like else missing)
@@ -63,6 +63,8 @@ class StepFree(OfStates):
             raise NoReference(str(failure)) from None
 
     def _energy_of(self, states, simulation) -> float:
+        if self.between and len(states) - 1 in self.gaps:  # a turn before it is not certain
+            return self.between.dissipated_energy()
         try:
             return last_cycle(states, simulation.schedule)
         except ContactNotConverged as failure:
@@ -76,3 +78,12 @@ class StepFree(OfStates):
             return StepFree(simulation, order - LOWER, like=self)
         except NoReference:
             return StepFree(simulation, order + LOWER, like=self)
+
+
+def _reason(state) -> ContactNotConverged | None:
+    """Why a state is missing; None where it is known."""
+    try:
+        known([state])
+    except ContactNotConverged as reason:
+        return reason
+    return None

@@ -23,6 +23,7 @@ from analytic.coupled.panels import Panels, graded
 from analytic.coupled.problem import NormalStage
 from analytic.coupled.stick import layout
 from analytic.half_plane.linear import ContactNotConverged
+from analytic.half_plane.solver import HalfPlaneContact
 
 MU, R, P = 0.3, 2.0, 1.5
 PROFILE = PowerProfile(1 / (2 * R), 2.0)
@@ -210,6 +211,23 @@ def test_points_that_come_into_contact_in_stick_are_said():
     assert [state.Q / P for state in (pressed, turn, *later)] == pytest.approx([0, 0.8, 0, -0.8])
     with pytest.raises(ContactNotConverged, match="Q = 0.1 P"):
         solver.run(path)
+
+
+def test_states_just_after_such_loads_are_not_certain():
+    """Beside the solver with load steps: points that came in stick stick still, and q is off by 6 %; later by 1e-3."""
+    solid, mu = solid_of(-0.161, -0.256), 0.16
+    path = [(P, 0.0), *((P, P * mu * 0.742 * share) for share in (7 / 16, 10 / 16, 1.0))]
+    _, early, later, turn = CoupledLoop(solid, PROFILE, P, mu).where_known(path)
+    assert not early.is_certain and later.is_certain and turn.is_certain
+    shares = np.append(np.geomspace(1 / 16, 7 / 16, 21), np.geomspace(7 / 16, 10 / 16, 5)[1:])
+    steps = HalfPlaneContact(solid, PROFILE, mu, nodes=150).run([(P, 0.0), *((P, turn.Q * s) for s in shares)])
+    apart = []
+    for state, other in ((early, steps[21]), (later, steps[-1])):
+        q = other.traction_at(state.x)
+        apart.append(np.sqrt(state.weight @ (state.traction - q) ** 2 / (state.weight @ q**2)))
+    assert apart[0] > 0.03 and apart[1] < 3e-3
+    with pytest.raises(ContactNotConverged, match="may stick still"):
+        CoupledLoop(solid, PROFILE, P, mu).run(path)
 
 
 @pytest.mark.parametrize("k, nu, mu, share", [(0.627, 0.493, 0.0211, 0.323), (0.369, 0.06, 0.0317, 0.214)])
