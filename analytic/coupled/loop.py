@@ -45,8 +45,8 @@ class CoupledLoop:
 
         like: states at the same loads of a basis of another order, from which the edges are guessed; the least load
         that is solved for the energy is larger then, so that the difference is about the error. A load between turns
-        without a state has the reason in its place: points may come into contact in stick just after a turn. Some states
-        after such loads are not certain, see ``CoupledState``.
+        without a state has the reason in its place: points may come into contact in stick just after a turn. States
+        soon after such loads are not certain, see ``CoupledState``.
 
         Raises ValueError for P <= 0, |Q| >= mu P or a first Q != 0; ContactNotConverged, with the reason.
         """

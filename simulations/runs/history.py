@@ -11,6 +11,7 @@ from ..loading.stepping import Outcome
 from .frictional_work import Moment, frictional_work, work_of_pressing
 
 SEPARATED, STICK, SLIP = 0, 1, 2  # contact states in files
+PARABOLA = 2.0  # exponent of a profile
 
 
 @dataclass(frozen=True)
@@ -109,8 +110,8 @@ class History:
         steps = [*(entry.step for entry in self.entries), step]
         if self.m and pressed_first(steps) == len(steps):
             return work_of_pressing(after, self.mu, self.k, self.m)
-        if not self.entries:
-            return np.zeros_like(after.s)
+        if not self.entries:  # an estimate under friction, where the contact does not grow similar to itself
+            return work_of_pressing(after, self.mu, self.k, PARABOLA)
         *earlier, before = (Moment(e.surface, e.contact) for e in self.entries[-2:])
         work = frictional_work(before, after, self.mu, self.k, earlier[0] if earlier else None)
         return self.entries[-1].work + work
@@ -158,8 +159,8 @@ class History:
 
 
 def all_states(history: History) -> list[Entry]:
-    """Entries of the last cycle; where there is none those with a tangential load; where there is none either all since
-    P is first reached, and without friction all.
+    """Entries of the last cycle; where there is none those with a tangential load; where there is none either, or
+    friction acts from first contact, all since P is first reached, and without friction all.
     """
     if history.has_cycle:
         return history.last_cycle
@@ -167,4 +168,6 @@ def all_states(history: History) -> list[Entry]:
     if not history.friction:
         return entries
     pressed = pressed_first([entry.step for entry in entries])
-    return [entry for entry in entries if entry.step.branch != "normal"] or entries[pressed - 1 :]
+    pressed_with_friction = np.any(entries[pressed - 1].surface.traction)
+    tangential = [entry for entry in entries if entry.step.branch != "normal"]
+    return entries[pressed - 1 :] if pressed_with_friction or not tangential else tangential

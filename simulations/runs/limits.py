@@ -6,7 +6,7 @@ Every limit is measured (docs/stability.md). All lengths are in contact half-wid
 """
 
 from collections.abc import Sequence
-from math import ceil, expm1, floor, log, log10
+from math import ceil, expm1, floor, log, log10, sqrt
 
 import numpy as np
 
@@ -30,17 +30,27 @@ NARROWEST_STICK = 5.0  # c over edge_facet: there c is off by 3 %, with 4 by 20 
 MOST_AT_ENDS = 0.1  # estimated relative error of the traction from its steep ends alone
 LOWEST = 0.05  # the first layer's lowest Gauss point, over its height: 0.07 and more
 LOWEST_EXPONENT = -300.0  # decimal logarithm of the smallest ordinary number is -307.7
+LEAST_SLIP_LOAD = 1e-7  # Q²/(mu P²): there the tolerance of loads changes the energy by 1 %, at 4e-9 by 27 %
 STABLE_GAMMA0 = 0.3  # below it the active set cycles (0.2 at k = 0) or fails (0.1 at k = 0.3), unless theta = -1
 SAMPLES = 4001  # of a formula, up to the end of the domain
 
 
-def check_parameters(scene: Scene):
-    """SceneError for Nitsche's parameters with which the contact terms are not stable."""
+def check_parameters(scene: Scene, schedule: Sequence[LoadStep]):
+    """SceneError for Nitsche's parameters with which the contact terms are not stable, and for a Q that the tolerance
+    of loads hides.
+    """
     gamma0, theta = scene.solver.gamma0, scene.solver.theta
     if gamma0 < STABLE_GAMMA0 and theta > -1:
         raise SceneError(
             f"solver.gamma0 = {gamma0:g} is not allowed with theta = {theta:g}: the contact terms are stable from "
             f"{STABLE_GAMMA0:g} on; the default is 10"
+        )
+    share = max((abs(step.Q) / step.P for step in schedule), default=0.0)
+    if 0 < share < (least := sqrt(LEAST_SLIP_LOAD * scene.mu)):
+        raise SceneError(
+            f"Q is {share:.2g} P at most, too little beside the tolerance of loads, {FORCE_TOLERANCE:g} P: with "
+            f"load.mu = {scene.mu:g} it has to be {_digit(least, up=True):.0e} P or more "
+            f"(load.{'amplitude' if scene.is_loop else 'points'})"
         )
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from analytic import PressingWithFriction
 
 from ..fem.load import Load
-from ..loading.schedule import LoadStep, pressed_first
+from ..loading.schedule import LoadStep, pressed_first, pressing
 from .comparison import NoReference, OfStates
 from .expected_edges import half_plane_solver
 from .limits import coating_keys
@@ -22,6 +22,7 @@ NODES = (400, 300)  # the next number is tried where one does not converge
 FINER = 2  # load steps of the reference for one of the run: what depends on the steps is not shared
 STEPS_TO_POINT = 8  # load steps from point to point of a path: with fewer the error does not yet fall like the step
 FEWER_NODES = (200, 150)  # with more load steps: their error is then what counts, and a load step costs a fifth
+FIRST_CONTACT = 4  # times as many of the first load step under friction, which begins with no contact
 STEPS_SINCE_TURN = 24  # in which the distance from the last turn of Q grows tenfold,
 FIRST_SINCE_TURN = 0.1  # and the first of them over the distance of the first load after the turn
 SHARE_OF_NODES = 0.75  # nodes for one, and half of the load steps, for an estimate of the reference's error
@@ -52,11 +53,13 @@ class MeshFree(OfStates):
     ):
         self.since_turn = since_turn
         self.finer = finer or (STEPS_SINCE_TURN if since_turn else steps_for_one(simulation))
+        friction_first, first = "friction in normal stage" in simulation.effects, 1
         if since_turn:
             shares = shares_since_turn(simulation.schedule, since_turn, self.finer)
         else:
-            shares = equal_shares(simulation.schedule, "friction in normal stage" in simulation.effects, self.finer)
-        loads, places = refined(simulation.schedule, shares)
+            shares = equal_shares(simulation.schedule, friction_first, self.finer)
+            first = FIRST_CONTACT * self.finer if friction_first else 1
+        loads, places = refined(simulation.schedule, shares, first)
         failure = None
         for count in nodes:
             try:
@@ -137,9 +140,15 @@ def shares_since_turn(schedule: Sequence[LoadStep], numbers: Sequence[int], step
     return shares
 
 
-def refined(schedule: Sequence[LoadStep], shares: list[np.ndarray]) -> tuple[list[Load], list[int]]:
-    """Loads after these ``shares`` of the way to each but the first, and where those of the schedule are among them."""
-    all_loads, places = [schedule[0].load], [0]
+def refined(
+    schedule: Sequence[LoadStep], shares: list[np.ndarray], first: int = 1
+) -> tuple[list[Load], list[int]]:
+    """Loads after these ``shares`` of the way to each but the first, and where those of the schedule are among them.
+
+    first: load steps of pressing to the first of them, about equal in the half-width of contact.
+    """
+    all_loads = [step.load for step in pressing(schedule[0].P, first)]
+    places = [first - 1]
     for (before, step), parts in zip(pairwise(schedule), shares, strict=True):
         all_loads += [step.on_the_way(before.load, share) for share in parts]
         places.append(len(all_loads) - 1)

@@ -65,7 +65,7 @@ class Simulation(Plan):
         super().__init__(scene, watch or Stopwatch())
         # what the mesh was graded for
         self.mesh_of: tuple | None = like.mesh_of if like else None if cells else self.graded_for
-        check_parameters(scene)
+        check_parameters(scene, self.schedule)
         check_output(scene, self.schedule, self.extent)
         if like is None:
             freeing.earlier(comm)

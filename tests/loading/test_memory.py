@@ -12,8 +12,9 @@ from analytic import PressingWithFriction
 from simulations.api import make_scene
 from simulations.loading import anchors
 from simulations.loading.stepping import LoadStepping
-from simulations.runs import checks
+from simulations.runs import checks, comparison
 from simulations.runs.comparison import compare, compare_state, own_errors, relative_l2
+from simulations.runs.estimate import Solved
 from simulations.runs.history import all_states
 from simulations.runs.mesh_free import MeshFree
 from simulations.runs.reference import describe, of_same_physics
@@ -167,6 +168,23 @@ def test_pressing_with_friction_where_points_in_stick_are_not_known():
     exact = PressingWithFriction(simulation.scaled.solid, simulation.scaled.indenter.analytic(), 1.0, 1.0)
     assert relative_l2(pressed.weight, pressed.pressure, exact.pressure(pressed.x)) < 1e-2
     assert relative_l2(pressed.weight, pressed.traction, exact.traction(pressed.x)) < 7e-2
+
+
+@pytest.mark.slow
+def test_a_circle_pressed_with_friction_in_one_step():
+    """It is nearly a parabola, and so is its work. The reference has steps of its own: it sees what one step misses."""
+    circle = LOOP | {"indenter.profile": "circle", "solid.nu": 0.2, "load.mu": 0.25, "load.cycles": 0}
+    circle["effects.friction_in_normal_stage"] = True
+    few, many = (run(circle | {"solver.normal_increments": steps}, 1) for steps in (1, 12))
+    pressed = few.history.entries[0], many.history.entries[11]
+    assert pressed[0].dissipated == pytest.approx(pressed[1].dissipated, rel=0.05)
+    reference, finer = (MeshFree(few, nodes=(120,), finer=finer) for finer in (2, 8))
+    assert apart_in_slip(few, reference, finer) < 0.1 * apart_in_slip(few, Solved(few.history), finer)
+    assert pressed[0] in all_states(few.history)
+
+
+def apart_in_slip(simulation, other, reference) -> float:
+    return comparison.apart(simulation.history.entries[-1], other, reference)["slip_l2"]
 
 
 def test_pressed_with_friction_and_relieved_at_no_tangential_load():
