@@ -120,7 +120,10 @@ class Newton:
             with self.system.problem.safeguards.all_stick():
                 self._step()
         self._states, self._changes, self._least = None, [], np.inf
-        self.snes.solve(None, self.x)
+        try:
+            self.snes.solve(None, self.x)
+        except PETSc.Error as error:  # in which PETSc wraps whatever a callback raises, Ctrl-C too
+            raise (error.__cause__ or error) from None
         code = self.snes.getConvergedReason()
         if code > 0 and confirm:
             kept = self.x.copy()

@@ -232,6 +232,18 @@ def test_processes_share_the_scenes(table):
         assert row["dissipated_energy[J/m]"] == pytest.approx(energy, rel=1e-8), row["reason"]
 
 
+@pytest.mark.parametrize("callback", ["Newton._test", "_Operator.apply"])
+def test_ctrl_c_while_petsc_calls_back_ends_a_sweep(callback, monkeypatch):
+    """PETSc's own error in its place would be the reason of one failed scene, and the sweep would go on."""
+
+    def interrupted(*arguments):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(f"simulations.solvers.newton.{callback}", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        sweep(vary={"load.mu": [0.2, 0.5]}, sets=COARSE_SETS)
+
+
 def test_threads_are_refused(tmp_path):
     with ThreadPoolExecutor(2) as executor, pytest.raises(SceneError, match="ThreadPoolExecutor is not allowed: "):
         sweep(vary={"solid.k": [0.0, 0.3]}, executor=executor, sets=COARSE_SETS, output=tmp_path / "out")
