@@ -91,6 +91,8 @@ def test_scenes_are_made_of_keys_or_tables():
     assert without.effects.friction is False
     with pytest.raises(SceneError, match="did you mean solid.k"):
         make_scene({"solid": {"K": 0.5}})
+    with pytest.raises(SceneError, match="solid.foo = None is not a key"):
+        make_scene({"solid.foo": None})
     with pytest.raises(SceneError, match="solid.E0 is missing"):
         make_scene({}, base=None)
 

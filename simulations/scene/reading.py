@@ -85,15 +85,15 @@ def _scene(keys: Mapping[str, Any]) -> Scene:
     """The scene of flat keys, its effects judged."""
     tables: dict[str, Any] = {}
     for name, value in keys.items():
+        if name != "title" and name not in fields():
+            raise unknown(name, value)
         if value is None:
             continue
         if name == "title":
             tables[name] = value
-        elif name in fields():
+        else:
             table, _, inner = name.partition(".")
             tables.setdefault(table, {})[inner] = value
-        else:
-            raise unknown(name, value)
     scene = Scene(**tables)
     Effects(scene)  # an effect may refuse the scene
     return scene
