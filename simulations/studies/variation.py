@@ -20,6 +20,7 @@ Changes = dict[str, Any]  # keys of a scene and their values
 MOST = 100_000  # scenes of a sweep
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 RANGE = re.compile(rf"({NUMBER}):({NUMBER}):(\d+)")
+TOKEN = re.compile(r'''(?<!\w)(?:"(?:\\.|[^"\\])*"|'[^']*')|.''', re.DOTALL)  # a text in quotes, or one character
 
 
 def read_vary(options: Sequence[str]) -> dict[str, list]:
@@ -48,10 +49,22 @@ def _values(key: str, text: str) -> list:
     try:
         return tomllib.loads(f"value = [{text}]")["value"]
     except (ValueError, RecursionError):
-        values = [read_value(part.strip()) for part in text.split(",")]
+        values = [read_value(part.strip()) for part in _parts(text)]
     if "" in values:
         raise SceneError(f"--vary {key}={shown(text)} is not allowed: a value is missing between two commas")
     return values
+
+
+def _parts(text: str) -> list[str]:
+    """``text`` split at the commas outside quotes and brackets."""
+    parts, depth = [""], 0
+    for token in TOKEN.findall(text):
+        depth += (token in ("[", "{")) - (token in ("]", "}"))
+        if token == "," and depth < 1:
+            parts.append("")
+        else:
+            parts[-1] += token
+    return parts
 
 
 def read_table(path: Path) -> list[Changes]:

@@ -326,6 +326,9 @@ def test_what_is_wrong_without_the_key_that_varies_is_not_blamed_on_it():
 def test_values_of_a_key():
     assert read_vary(["solid.k=-0.5:0.9:15"])["solid.k"][8] == 0.3
     assert read_vary(["a=holl, 0.3"]) == {"a": ["holl", 0.3]}
+    assert read_vary(['a="a,b",c']) == {"a": ["a,b", "c"]}
+    assert read_vary(['a=["normal","A"],named']) == {"a": [["normal", "A"], "named"]}
+    assert read_vary(["a=Bob's, 'x, ]', Ann's"]) == {"a": ["Bob's", "x, ]", "Ann's"]}
     assert read_vary(["a=true,false"]) == {"a": [True, False]}
     assert read_vary(["a=[[1, 0], [2, 0.5]]"]) == {"a": [[[1, 0], [2, 0.5]]]}
     pairs = [(1, 3), (1, 4), (2, 3), (2, 4)]
