@@ -13,6 +13,8 @@ from running import COARSE, ROOT
 
 import simulations
 from simulations import ChecksWarning, SceneError, make_scene, parse, run, sweep
+from simulations.runs.comparison import worst
+from simulations.runs.reference import closed_form
 from simulations.scene import SceneError as OneError
 
 QUICK = COARSE | {"load.cycles": 0}
@@ -79,6 +81,17 @@ def test_the_energy_of_a_path_is_checked_beside_its_closed_form():
     with warnings.catch_warnings():
         warnings.simplefilter("error", ChecksWarning)
         assert "error of a" not in run(changes | {"reference.kind": "none"}).checks
+
+
+def test_a_path_on_which_nothing_slips_is_no_warning_of_numpy():
+    """The slip of its closed form is 0 in every state: there is no relative deviation from that."""
+    load = dict.fromkeys(("load.P", "load.amplitude", "load.cycles")) | {"load.points": [[1e6, 0], [1e6, 1e-5]]}
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        warnings.simplefilter("ignore", ChecksWarning)
+        simulation = run(COARSE | load).simulation
+        found = worst(simulation.history, closed_form(simulation))
+    assert np.isnan(found["slip_l2"]) and found["pressure_l2"] < 1e-2
 
 
 def test_scenes_are_made_of_keys_or_tables():

@@ -169,8 +169,8 @@ def _largest_own(reference, states) -> dict[str, float]:
 
 
 def _largest(states: list[dict[str, float]]) -> dict[str, float]:
-    """Of every quantity that the last state has."""
-    return {name: float(np.nanmax([state.get(name, np.nan) for state in states])) for name in states[-1]}
+    """Of every quantity that the last state has; nan where no state has a number."""
+    return {name: float(np.fmax.reduce([state.get(name, np.nan) for state in states])) for name in states[-1]}
 
 
 def _own_error_of_energy(reference: Reference) -> float:
