@@ -128,6 +128,12 @@ def test_a_scene_may_be_a_file(tmp_path):
         (lambda: sweep(Path("nowhere.toml"), {"load.mu": [0.3]}), "scene nowhere.toml cannot be read"),
         (lambda: sweep(vary={"load.mu": 0.3}), "load.mu = 0.3 is not allowed: a list"),
         (lambda: sweep(vary={"load.mu": "0.1,0.2"}), "load.mu = '0.1,0.2' is not allowed: a list"),
+        (lambda: sweep(vary=None), "vary = None is not allowed: lists of values by key, or a list of dictionaries"),
+        (lambda: sweep(vary="load.mu=0.2,0.3"), "vary = 'load.mu=0.2,0.3' is not allowed: lists of values by key"),
+        (lambda: sweep(vary=[["load.mu", 1]]), "vary = .*'load.mu', 1.* is not allowed: lists of values by key"),
+        (lambda: sweep(vary={"load.mu": [0.3]}, sets="load.P=1e6"), "sets = 'load.P=1e6' is not allowed: a list of"),
+        (lambda: sweep(vary={"load.mu": [0.3]}, sets=[3]), "sets = .3. is not allowed: a list of KEY=VALUE"),
+        (lambda: sweep(vary={"load.mu": [0.3]}, output=3), "output = 3 is not allowed: the name of a folder"),
     ],
 )
 def test_values_of_the_wrong_kind_are_named(wrong, said):

@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
 from contextlib import nullcontext
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
@@ -25,12 +26,12 @@ from ..runs.plan import Plan
 from ..runs.report_data import Findings, find
 from ..runs.simulation import Simulation
 from ..runs.timing import Stopwatch
-from ..scene import DEFAULT_SCENE, Scene, SceneError, parse
+from ..scene import DEFAULT_SCENE, Scene, SceneError, parse, shown
 from ..scene.effects import Effects
 from .engine import FAILED, Item, Row, run_all
 from .store import Store
 from .sweep_folder import RUNS, taken
-from .variation import Changes, base_of, check, overrides, product
+from .variation import Changes, base_of, check, listed, overrides, product
 
 # Keys that may leave mesh and stiffness as they are, in units of the contact.
 SCALES = {"title", "load.P", "load.mu", "solid.E0", "solid.y0", "indenter.R", "solver.gamma0", "reference.kind"}
@@ -73,11 +74,11 @@ def sweep(
     each; sets: ``KEY=VALUE`` for all scenes; tell: called with lines of progress; overwrite: replace another sweep in
     ``output``, which is refused otherwise. A scene that fails is a row with its reason.
     """
-    text, sets = base_of(scene), tuple(sets)
+    text, sets = base_of(scene), tuple(listed("sets", sets, str, "a list of KEY=VALUE"))
     cases = product(vary)
     check(text, sets, cases)
-    if output == "":  # which would be this folder
-        raise SceneError("output = '' is not allowed: the name of a folder")
+    if output == "" or not isinstance(output, str | PathLike | None):  # "" would be this folder
+        raise SceneError(f"output = {shown(output)} is not allowed: the name of a folder")
     if folders and output is None:
         raise SceneError("folders of the runs need a folder: output")
     if isinstance(executor, ThreadPoolExecutor):

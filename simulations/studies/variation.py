@@ -89,6 +89,14 @@ def read_table(path: Path) -> list[Changes]:
     return rows
 
 
+def listed(name: str, value, kind: type, allowed: str) -> list:
+    """An argument as a list of ``kind``; SceneError, which calls it ``name``, where it is none."""
+    entries = list(value) if isinstance(value, Iterable) and not isinstance(value, str) else [None]
+    if not all(isinstance(entry, kind) for entry in entries):
+        raise SceneError(f"{name} = {shown(value)} is not allowed: {allowed}")
+    return entries
+
+
 def product(
     vary: Mapping[str, Sequence] | Sequence[Mapping[str, Any]], rows: Sequence[Changes] = ({},)
 ) -> list[Changes]:
@@ -97,7 +105,7 @@ def product(
     SceneError where nothing varies, a key has no or the same value twice, or a key is in both.
     """
     if not isinstance(vary, Mapping):
-        rows, vary = [dict(row) for row in vary], {}
+        rows, vary = listed("vary", vary, Mapping, "lists of values by key, or a list of dictionaries"), {}
     for key, values in vary.items():
         if isinstance(values, str) or not isinstance(values, Iterable):
             raise SceneError(f"{key} = {shown(values)} is not allowed: a list of the values that it is to take")
