@@ -104,7 +104,7 @@ def _load(scene: Scene) -> str:
     P = f"The normal line load is P = {quantity(load.P, 'N/m')}"
     if not (isinstance(load, Fretting) and scene.friction):
         return f"{P}; there is no tangential load."
-    Q = f"Q_A = {load.amplitude:g} μP = {quantity(load.amplitude * load.mu * load.P, 'N/m')}"
+    Q = f"Q_A = {load.amplitude} μP = {quantity(load.amplitude * load.mu * load.P, 'N/m')}"
     often = "once" if load.cycles == 1 else f"{load.cycles} times"
     back = f", then {often} to −Q_A and back" if load.cycles else " and stays there"
     friction = f"the coefficient of friction μ = {load.mu:g}"

@@ -123,7 +123,7 @@ def check_resolution(scene: Scene, cells: Grading, loop: FrettingLoop | None):
         if slip < NARROWEST * facet:
             raise SceneError(
                 f"mesh.edge_facet = {cells.edge_facet:g} is too coarse: the slip zone is {slip:.2g} a wide at "
-                f"load.amplitude = {scene.load.amplitude:g} and needs {_digit(slip / NARROWEST):g} or less"
+                f"load.amplitude = {scene.load.amplitude} and needs {_digit(slip / NARROWEST):g} or less"
             )
     if scene.k >= 0:
         return
@@ -149,7 +149,7 @@ def warnings_of(scene: Scene, cells: Grading, loop: FrettingLoop | None, scaled:
     if loop is not None and loop.c < NARROWEST_STICK * facet:
         found.append(
             f"mesh.edge_facet = {cells.edge_facet:g} is too coarse for c/a: the stick half-width is {loop.c:.2g} a at "
-            f"load.amplitude = {scene.load.amplitude:g} and needs {_digit(loop.c / NARROWEST_STICK):g} or less"
+            f"load.amplitude = {scene.load.amplitude} and needs {_digit(loop.c / NARROWEST_STICK):g} or less"
         )
     soft = scaled.elastic_compliance(scene) / 2
     if soft > LONG_ELASTIC_SLIP:

@@ -90,7 +90,7 @@ def friction(scene: Scene) -> Verdict:
     """A tangential load calls for friction."""
     if not scene.friction:
         return Verdict(False, "no tangential load", "no tangential unknown, term or result")
-    load = f"Q_A = {scene.load.amplitude:g} mu P" if scene.is_loop else "load.points"
+    load = f"Q_A = {scene.load.amplitude} mu P" if scene.is_loop else "load.points"
     terms = "tangential contact terms, delta_x, anchors of stick"
     return Verdict(True, f"mu = {scene.load.mu:g}, {load}", terms)
 
