@@ -46,7 +46,7 @@ class Branch:
         least = min(LEAST_OVER_LIKE * like.first, FIRST_BORNE * span) if like else FIRST * span
         self._reach(least)
         self.first = self.loads[0]
-        self._has_all = self.first <= least * (1 + 1e-12)
+        self._like, self._has_all = like, self.first <= least * (1 + 1e-12)
 
     @cached_property
     def parts(self):
@@ -176,6 +176,8 @@ class Branch:
     @cached_property
     def _last_without(self):
         """Largest distance from the turn at which there is no state, as far as the known ones tell; 0 for none."""
+        if self._like:  # which begins nearer to the turn
+            return self._like._last_without
         last = 0.0 if self._has_all else self.first
         for load, state, _ in self._known:
             try:

@@ -107,7 +107,7 @@ def steps_for_one(simulation: Simulation) -> int:
 
 
 def equal_shares(schedule: Sequence[LoadStep], friction_first: bool, finer: int) -> list[np.ndarray]:
-    """Shares of the way to each load after the first at which a load step ends: ``finer`` equal ones.
+    """Shares of the way to each load after the first, at which load steps end: ``finer`` equal ones.
 
     Frictionless pressing, which leaves no memory, stays one step.
     """
@@ -140,9 +140,7 @@ def shares_since_turn(schedule: Sequence[LoadStep], numbers: Sequence[int], step
     return shares
 
 
-def refined(
-    schedule: Sequence[LoadStep], shares: list[np.ndarray], first: int = 1
-) -> tuple[list[Load], list[int]]:
+def refined(schedule: Sequence[LoadStep], shares: list[np.ndarray], first: int = 1) -> tuple[list[Load], list[int]]:
     """Loads after these ``shares`` of the way to each but the first, and where those of the schedule are among them.
 
     first: load steps of pressing to the first of them, about equal in the half-width of contact.
