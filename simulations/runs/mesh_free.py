@@ -145,7 +145,7 @@ def refined(schedule: Sequence[LoadStep], shares: list[np.ndarray], first: int =
 
     first: load steps of pressing to the first of them, about equal in the half-width of contact.
     """
-    all_loads = [step.load for step in pressing(schedule[0].P, first)]
+    all_loads = [*(step.load for step in pressing(schedule[0].P, first)[:-1]), schedule[0].load]
     places = [first - 1]
     for (before, step), parts in zip(pairwise(schedule), shares, strict=True):
         all_loads += [step.on_the_way(before.load, share) for share in parts]
