@@ -94,7 +94,7 @@ def elements(values: Row) -> Row:
     start = time.process_time()
     simulation = Simulation(MPI.COMM_SELF, make_scene(scene, base=None)).run_to_end()
     seconds = time.process_time() - start
-    reference = StepFree(simulation)
+    reference = StepFree(simulation, filled=True)
     errors = compare(simulation.history, reference) | worst(simulation.history, reference)
     return {name: abs(errors[name]) for name in ERRORS} | {"seconds": seconds}
 
