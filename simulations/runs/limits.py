@@ -31,13 +31,14 @@ MOST_AT_ENDS = 0.1  # estimated relative error of the traction from its steep en
 LOWEST = 0.05  # the first layer's lowest Gauss point, over its height: 0.07 and more
 LOWEST_EXPONENT = -300.0  # decimal logarithm of the smallest ordinary number is -307.7
 LEAST_SLIP_LOAD = 1e-7  # Q²/(mu P²): there the tolerance of loads changes the energy by 1 %, at 4e-9 by 27 %
+MOST_FRICTION = 1 - 1e-9  # |Q|/(mu P): nearer to 1 what sticks carries less than that tolerance, and slides away
 STABLE_GAMMA0 = 0.3  # below it the active set cycles (0.2 at k = 0) or fails (0.1 at k = 0.3), unless theta = -1
 SAMPLES = 4001  # of a formula, up to the end of the domain
 
 
 def check_parameters(scene: Scene, schedule: Sequence[LoadStep]):
     """SceneError for Nitsche's parameters with which the contact terms are not stable, and for a Q that the tolerance
-    of loads hides.
+    of loads hides, or from mu P.
     """
     gamma0, theta = scene.solver.gamma0, scene.solver.theta
     if gamma0 < STABLE_GAMMA0 and theta > -1:
@@ -45,12 +46,16 @@ def check_parameters(scene: Scene, schedule: Sequence[LoadStep]):
             f"solver.gamma0 = {gamma0:g} is not allowed with theta = {theta:g}: the contact terms are stable from "
             f"{STABLE_GAMMA0:g} on; the default is 10"
         )
-    share = max((abs(step.Q) / step.P for step in schedule), default=0.0)
+    share, key = max(abs(step.Q) / step.P for step in schedule), f"load.{'amplitude' if scene.is_loop else 'points'}"
     if 0 < share < (least := sqrt(LEAST_SLIP_LOAD * scene.mu)):
         raise SceneError(
             f"Q is {share:.2g} P at most, too little beside the tolerance of loads, {FORCE_TOLERANCE:g} P: with "
-            f"load.mu = {scene.mu:g} it has to be {_digit(least, up=True):.0e} P or more "
-            f"(load.{'amplitude' if scene.is_loop else 'points'})"
+            f"load.mu = {scene.mu:g} it has to be {_digit(least, up=True):.0e} P or more ({key})"
+        )
+    if scene.friction and share > MOST_FRICTION * scene.mu:
+        raise SceneError(
+            f"Q is {share / scene.mu!r} mu P at most, too close to sliding beside the tolerance of loads, "
+            f"{FORCE_TOLERANCE:g} P: {MOST_FRICTION!r} mu P or less is allowed ({key})"
         )
 
 

@@ -11,7 +11,6 @@ from .errors import SceneError, shown
 from .fields import Integer, Length, LineLoad, Number, Points, Ratio, Stress, Text, Unit, Word, allowed
 from .table import Table, register
 
-MOST_FRICTION = 1 - 1e-9  # |Q|/(mu P): nearer to 1 what sticks carries less than the tolerance of loads, and slides
 Exponent = Annotated[Number, Unit("–"), Field(gt=-1, lt=1, description="exponent of E = E0 (y/y0)^k")]
 PoissonRatio = Annotated[
     Number, Unit("–"), Word("holl"), Field(gt=-1, le=0.5, description='Poisson\'s ratio; `"holl"` is 1/(2+k)')
@@ -175,7 +174,7 @@ class Fretting(Load):
     beside: ClassVar[str] = "load.P"
     P: LineLoad = Field(description="normal line load")
     mu: Friction
-    amplitude: Annotated[Number, Unit("–")] = Field(ge=1e-6, le=MOST_FRICTION, description="Q_A/(μ P)")
+    amplitude: Annotated[Number, Unit("–")] = Field(ge=1e-6, lt=1, description="Q_A/(μ P)")
     cycles: Annotated[Integer, Unit("–")] = Field(
         default=1, ge=0, le=1000, description="to −Q_A and back; 0 stops at +Q_A"
     )
@@ -239,8 +238,8 @@ class Path(Load):
         if self.points[0][1] != 0:
             raise SceneError(f"{refused}: the first point has Q = 0")
         for P, Q in self.points:
-            if abs(Q) > MOST_FRICTION * (self.mu or inf) * P:
-                raise SceneError(f"{refused}: |Q| < mu P, by 1e-9 mu P or more; here P = {P!r}, Q = {Q!r}")
+            if abs(Q) >= (self.mu or inf) * P:
+                raise SceneError(f"{refused}: |Q| < mu P, here P = {P:g}, Q = {Q:g}")
         return self
 
 
