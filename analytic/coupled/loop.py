@@ -90,7 +90,9 @@ class CoupledLoop:
                     states.append(CoupledState(units, problem, normal, reached, branch, friction, turn))
                 except ContactNotConverged as failure:
                     states.append(failure)
-            turn, base = _found(states[-1]), reached
+            if isinstance(turn := states[-1], ContactNotConverged):
+                raise turn
+            base = reached
             branches.append(branch)
         return states
 
@@ -105,18 +107,19 @@ class CoupledLoop:
 
 def known(states: Sequence[CoupledState | ContactNotConverged]) -> list[CoupledState]:
     """The states, if all are certain; else ContactNotConverged, the first reason."""
-    found = []
-    for state in map(_found, states):
-        if not state.is_certain:
-            raise ContactNotConverged(f"Q = {state.Q:g}: points that came into contact in stick may stick still")
-        found.append(state)
-    return found
+    for reason in map(missing, states):
+        if reason:
+            raise reason
+    return list(states)  # type: ignore[arg-type]  # no reason is among them
 
 
-def _found(state):
+def missing(state: CoupledState | ContactNotConverged) -> ContactNotConverged | None:
+    """Why there is no certain state; None where there is."""
     if isinstance(state, ContactNotConverged):
-        raise state
-    return state
+        return state
+    if state.is_certain:
+        return None
+    return ContactNotConverged(f"Q = {state.Q / state.P:g} P: points that came into contact in stick may stick still")
 
 
 def branches_of(loads):

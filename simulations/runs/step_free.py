@@ -1,6 +1,6 @@
 """Reference of coupled loops: states of the half-plane found directly from the last turn of Q, without load steps."""
 
-from analytic.coupled.loop import ORDER, known
+from analytic.coupled.loop import ORDER, known, missing
 from analytic.coupled.state import CoupledState
 from analytic.half_plane.linear import ContactNotConverged
 
@@ -34,19 +34,20 @@ class StepFree(OfStates):
         like: "StepFree | None" = None,
         tell: Tell | None = None,
     ):
-        states = self._found(simulation, order, like)
-        missing = {n: reason for n, reason in enumerate(map(_reason, states)) if reason}
-        if missing and not (filled or like and missing.keys() <= set(like.gaps)):
-            raise NoReference(str(next(iter(missing.values()))))
-        self.gaps: list[int] = list(like.gaps if like else missing)
+        self._own = self._found(simulation, order, like)
+        reasons = {n: reason for n, reason in enumerate(map(missing, self._own)) if reason}
+        if reasons and not (filled or like and reasons.keys() <= set(like.gaps)):
+            raise NoReference(str(next(iter(reasons.values()))))
+        self.gaps: list[int] = list(like.gaps if like else reasons)
         self.between: MeshFree | None = None
         if like and like.between:
             self.between = like.between.coarser
         elif self.gaps:
             self.between = MeshFree(simulation, tell, FEWER_NODES, estimated=estimated, since_turn=self.gaps)
-        for number in self.gaps if self.between else ():
+        states = list(self._own)
+        for number in self.gaps:
             states[number] = self.between.states[number]
-        super().__init__(states, self._energy_of(states, simulation))
+        super().__init__(states, self._energy_of(simulation))
         self.coarser = self._other(simulation, order) if estimated else None
 
     @staticmethod
@@ -57,16 +58,15 @@ class StepFree(OfStates):
         loads = tuple((step.P, step.Q) for step in simulation.schedule)
         try:
             if like:
-                return loop.where_known(loads, [state for state in like.states if isinstance(state, CoupledState)])
-            return list(states_of(loop, loads))
+                return loop.where_known(loads, [state for state in like._own if isinstance(state, CoupledState)])
+            return states_of(loop, loads)
         except (ContactNotConverged, ValueError, ArithmeticError) as failure:
             raise NoReference(str(failure)) from None
 
-    def _energy_of(self, states, simulation) -> float:
-        if self.between and len(states) - 1 in self.gaps:  # a turn before it is not certain
-            return self.between.dissipated_energy()
+    def _energy_of(self, simulation) -> float:
         try:
-            return last_cycle(states, simulation.schedule)
+            known(self._own[-1:])  # where no turn before is uncertain
+            return last_cycle(self._own, simulation.schedule)
         except ContactNotConverged as failure:
             if self.between is None:
                 raise NoReference(str(failure)) from None
@@ -78,12 +78,3 @@ class StepFree(OfStates):
             return StepFree(simulation, order - LOWER, like=self)
         except NoReference:
             return StepFree(simulation, order + LOWER, like=self)
-
-
-def _reason(state) -> ContactNotConverged | None:
-    """Why a state is missing; None where it is known."""
-    try:
-        known([state])
-    except ContactNotConverged as reason:
-        return reason
-    return None

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
+from analytic.coupled.branch import Branch
 from analytic.coupled.state import CoupledState
 from simulations.loading.schedule import pressing, rocking
 from simulations.runs.comparison import apart, own_errors
@@ -33,6 +34,17 @@ def test_states_that_points_in_stick_leave_open_are_those_of_the_mesh_free_solve
     for number in reference.gaps:  # what is stated as the reference's own error is not less than it is
         entry = simulation.history.entries[number]
         assert own[number - 1] > apart(entry, reference, closer)["traction_l2"]
+
+
+@pytest.mark.slow
+def test_after_a_turn_that_is_not_certain_all_states_are_those_of_the_mesh_free_solver(monkeypatch):
+    """The energy too; the other order of the basis starts from what both turns would be."""
+    monkeypatch.setattr(Branch, "is_certain", lambda branch, Q: branch.direction > 0)
+    scene = make_scene(SCENE | {"load.amplitude": 0.66})  # of no other test: the last states are kept
+    reference = StepFree(Simulation(MPI.COMM_SELF, scene), estimated=True, filled=True)
+    assert reference.gaps == list(range(3, 11)) == reference.coarser.gaps
+    assert reference.dissipated_energy() == reference.between.dissipated_energy()
+    assert reference.coarser.dissipated_energy() == reference.between.coarser.dissipated_energy()
 
 
 def test_load_steps_since_a_turn_grow():
