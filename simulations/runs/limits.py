@@ -36,17 +36,20 @@ STABLE_GAMMA0 = 0.3  # below it the active set cycles (0.2 at k = 0) or fails (0
 SAMPLES = 4001  # of a formula, up to the end of the domain
 
 
-def check_parameters(scene: Scene, schedule: Sequence[LoadStep]):
-    """SceneError for Nitsche's parameters with which the contact terms are not stable, and for a Q that the tolerance
-    of loads hides, or from mu P.
-    """
+def check_parameters(scene: Scene):
+    """SceneError for Nitsche's parameters with which the contact terms are not stable."""
     gamma0, theta = scene.solver.gamma0, scene.solver.theta
     if gamma0 < STABLE_GAMMA0 and theta > -1:
         raise SceneError(
             f"solver.gamma0 = {gamma0:g} is not allowed with theta = {theta:g}: the contact terms are stable from "
             f"{STABLE_GAMMA0:g} on; the default is 10"
         )
-    share, key = max(abs(step.Q) / step.P for step in schedule), f"load.{'amplitude' if scene.is_loop else 'points'}"
+
+
+def check_loads(scene: Scene, schedule: Sequence[LoadStep]):
+    """SceneError for a Q whose distance from 0, or from mu P, the tolerance of loads hides."""
+    share = float(max(abs(step.Q) / step.P for step in schedule))
+    key = f"load.{'amplitude' if scene.is_loop else 'points'}"
     if 0 < share < (least := sqrt(LEAST_SLIP_LOAD * scene.mu)):
         raise SceneError(
             f"Q is {share:.2g} P at most, too little beside the tolerance of loads, {FORCE_TOLERANCE:g} P: with "

@@ -25,6 +25,7 @@ from .critical_friction import why_no_answer
 from .history import Entry, History
 from .limits import (
     check_depth,
+    check_loads,
     check_output,
     check_parameters,
     check_resolution,
@@ -65,7 +66,8 @@ class Simulation(Plan):
         super().__init__(scene, watch or Stopwatch())
         # what the mesh was graded for
         self.mesh_of: tuple | None = like.mesh_of if like else None if cells else self.graded_for
-        check_parameters(scene, self.schedule)
+        check_parameters(scene)
+        check_loads(scene, self.schedule)
         check_output(scene, self.schedule, self.extent)
         if like is None:
             freeing.earlier(comm)

@@ -89,7 +89,7 @@ REFUSED: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "amplitude": (by_set("load.amplitude=1.0"), ("load.amplitude = 1.0", "1e-06 ≤ value < 1")),
     "amplitude as good as 1": (
         by_set("load.amplitude=0.999999999997"),
-        ("mu P at most, too close to sliding", "0.999999999 mu P or less", "load.amplitude"),
+        ("Q is 0.999999999997 mu P at most, too close to sliding", "0.999999999 mu P or less", "load.amplitude"),
     ),
     "Q below the tolerance": (
         by_set("load.mu=1e-6", "load.amplitude=0.05"),
