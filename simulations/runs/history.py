@@ -11,7 +11,7 @@ from ..loading.stepping import Outcome
 from .frictional_work import Moment, frictional_work, work_of_pressing
 
 SEPARATED, STICK, SLIP = 0, 1, 2  # contact states in files
-PARABOLA = 2.0  # exponent of a profile
+PARABOLA = 2.0  # exponent for the first load step of a contact that does not grow similar to itself: an estimate
 
 
 @dataclass(frozen=True)
@@ -108,10 +108,8 @@ class History:
     def _work(self, step: LoadStep, after: Moment) -> np.ndarray:
         """Frictional work (n,) since the start."""
         steps = [*(entry.step for entry in self.entries), step]
-        if self.m and pressed_first(steps) == len(steps):
-            return work_of_pressing(after, self.mu, self.k, self.m)
-        if not self.entries:  # an estimate under friction, where the contact does not grow similar to itself
-            return work_of_pressing(after, self.mu, self.k, PARABOLA)
+        if not self.entries or self.m and pressed_first(steps) == len(steps):
+            return work_of_pressing(after, self.mu, self.k, self.m or PARABOLA)
         *earlier, before = (Moment(e.surface, e.contact) for e in self.entries[-2:])
         work = frictional_work(before, after, self.mu, self.k, earlier[0] if earlier else None)
         return self.entries[-1].work + work

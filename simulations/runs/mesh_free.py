@@ -53,12 +53,12 @@ class MeshFree(OfStates):
     ):
         self.since_turn = since_turn
         self.finer = finer or (STEPS_SINCE_TURN if since_turn else steps_for_one(simulation))
-        friction_first, first = "friction in normal stage" in simulation.effects, 1
+        friction_first = "friction in normal stage" in simulation.effects
         if since_turn:
             shares = shares_since_turn(simulation.schedule, since_turn, self.finer)
         else:
             shares = equal_shares(simulation.schedule, friction_first, self.finer)
-            first = FIRST_CONTACT * self.finer if friction_first else 1
+        first = FIRST_CONTACT * self.finer if friction_first else 1
         loads, places = refined(simulation.schedule, shares, first)
         failure = None
         for count in nodes:
@@ -78,12 +78,12 @@ class MeshFree(OfStates):
             raise NoReference(f"{failure}; {coating}" if coating else str(failure))
         found = [states[place] for place in places]
         super().__init__(found, _dissipated(found, simulation.schedule, simulation.pressing_with_friction))
-        self.coarser = self._coarser(simulation, nodes, since_turn) if estimated else None
+        self.coarser = self._coarser(simulation, nodes) if estimated else None
 
-    def _coarser(self, simulation, nodes, since_turn):
+    def _coarser(self, simulation, nodes):
         fewer = tuple(int(SHARE_OF_NODES * count) for count in nodes if count <= self.nodes)
         try:
-            return MeshFree(simulation, nodes=fewer, finer=self.finer // 2, since_turn=since_turn)
+            return MeshFree(simulation, nodes=fewer, finer=self.finer // 2, since_turn=self.since_turn)
         except NoReference as failure:
             raise NoReference(f"the error of the {self.name} is not known: {failure}") from None
 
