@@ -1,4 +1,4 @@
-"""Sweeps: the same table on any ranks and from Python, failed scenes as rows, stopped and resumed, and bad input."""
+"""Sweeps: the same table on any ranks and from Python, failed scenes as rows, stopped and resumed."""
 
 import gc
 import json
@@ -16,7 +16,6 @@ from coarse_sweep import COARSE_SETS, VARY, arguments, rows_of
 from running import COARSE, MPI_ENVIRONMENT, ROOT, run_command
 from solving import coarse_simulation
 
-import simulations.sweep as command
 from simulations import SceneError, sweep
 from simulations.runs import checks, comparison, reference
 from simulations.runs.reference import closed_form
@@ -24,7 +23,6 @@ from simulations.runs.report_data import find
 from simulations.scene import DEFAULT_SCENE, make_scene, parse
 from simulations.studies import sweeping
 from simulations.studies.sweeping import prepared
-from simulations.studies.variation import product, read_vary
 
 MEASURED = ("seconds",)
 
@@ -248,95 +246,6 @@ def test_threads_are_refused(tmp_path):
     with ThreadPoolExecutor(2) as executor, pytest.raises(SceneError, match="ThreadPoolExecutor is not allowed: "):
         sweep(vary={"solid.k": [0.0, 0.3]}, executor=executor, sets=COARSE_SETS, output=tmp_path / "out")
     assert not (tmp_path / "out").exists()
-
-
-BAD = {
-    "nothing": ([], "nothing varies"),
-    "no key": (["--vary", "=1,2"], "KEY=FIRST:LAST:COUNT"),
-    "no value": (["--vary", "solid.k="], "KEY=FIRST:LAST:COUNT"),
-    "a hole": (["--vary", "solid.nu=holl,,0.3"], "missing between two commas"),
-    "unknown key": (["--vary", "solid.kk=0.1,0.2"], "solid.k?"),
-    "twice": (["--vary", "solid.k=0.1,0.2", "--vary", "solid.k=0.3,0.4"], "twice"),
-    "same value": (["--vary", "solid.k=0.1,0.1"], "twice"),
-    "set and vary": (["--vary", "solid.k=0.1,0.2", "--set", "solid.k=0.3"], "--set solid.k=0.3"),
-    "two keys for one": (["--vary", "solid.y0=1,2", "--vary", "solid.y0_over_a0=1,2"], "y0"),
-    "one end": (["--vary", "solid.k=0.1:0.1:3"], "two different ends"),
-    "one value": (["--vary", "solid.k=0.1:0.2:1"], "2 to 100000"),
-    "no count": (["--vary", "solid.k=0.1:0.2"], "FIRST:LAST:COUNT"),
-    "words": (["--vary", "solid.k=a:b:3"], "FIRST:LAST:COUNT"),
-    "out of range": (["--vary", "solid.k=0.1,1.5"], "1.5"),
-    "no number": (["--vary", "load.mu=0.1,nan"], "load.mu = nan is to vary, but: load.mu = nan is not allowed"),
-    "too many": (["--vary", "solid.k=0:0.9:1000", "--vary", "load.mu=0.1:0.9:1000"], "1000000 scenes"),
-    "part of a count": (["--vary", "solid.k=0.1:0.2:1.5"], "COUNT from 2 to 100000"),
-    "no file": (["--csv-in", "absent.csv"], "absent.csv cannot be read: No such file"),
-    "no scene": (["absent.toml", "--vary", "solid.k=0.1,0.2"], "absent.toml"),
-    "option": (["--vry", "solid.k=0.1,0.2"], "--vry"),
-}
-
-
-@pytest.mark.parametrize("words, said", BAD.values(), ids=BAD.keys())
-def test_bad_input_is_one_line(tmp_path, monkeypatch, words, said):
-    monkeypatch.chdir(tmp_path)
-    with pytest.raises(SceneError) as refusal:
-        command.read([*words, "--output", "out"])
-    assert said in str(refusal.value) and "\n" not in str(refusal.value)
-    assert list(tmp_path.iterdir()) == []
-
-
-SHORT, HOLE = "solid.k,load.mu\n0.1\n", "solid.k\n0.1\n \n"
-TABLES = {"": "keys", "solid.k\n": "keys", "solid.k,solid.k\n1,2\n": "keys", "solid.kk\n0.1\n": "solid.k?"}
-TABLES |= {"solid.k;load.mu\n0,1;0,2\n": "separated by ;"}
-TABLES |= {SHORT: "line 2", HOLE: "line 3", "solid.k\n0.1\n0.1\n": "twice"}
-
-
-@pytest.mark.parametrize("text, said", TABLES.items())
-def test_a_bad_table_is_one_line(tmp_path, monkeypatch, text, said):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "in.csv").write_text(text)
-    with pytest.raises(SceneError) as refusal:
-        command.read(["--csv-in", "in.csv", "--output", "out"])
-    assert said in str(refusal.value) and "\n" not in str(refusal.value)
-    assert [path.name for path in tmp_path.iterdir()] == ["in.csv"]
-
-
-def test_a_scene_that_is_not_toml_is_named(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "comma.toml").write_text("k = 0,3")
-    with pytest.raises(SceneError, match="scene comma.toml is not TOML: .*'k = 0,3'"):
-        command.read(["comma.toml", "--vary", "solid.k=0.1,0.2", "--output", "out"])
-    assert [path.name for path in tmp_path.iterdir()] == ["comma.toml"]
-
-
-def test_a_refusal_as_the_user_sees_it(tmp_path):
-    words = ["--vary", "solid.kk=0.1,0.2", "--output", "out"]
-    done = run_command(*words, module="simulations.sweep", cwd=tmp_path, timeout=120, ranks=2)
-    assert done.returncode == 2, done.stderr
-    assert sum("did you mean solid.k?" in line for line in done.stderr.splitlines()) == 1
-    assert "Traceback" not in done.stderr and done.stdout == "" and list(tmp_path.iterdir()) == []
-
-
-def test_what_is_wrong_without_the_key_that_varies_is_not_blamed_on_it():
-    for words, said in ((["--set", "foo=1"], "foo = 1 is not a key"), (["--set", "load.mu=-1"], "load.mu = -1")):
-        with pytest.raises(SceneError, match=f"^{said}"):
-            command.read([*words, "--vary", "solid.k=0.1,0.2", "--output", "out"])
-    with pytest.raises(SceneError, match="^solid.k = 1.5 is to vary, but: "):
-        command.read(["--vary", "solid.k=1.5,2.5", "--output", "out"])
-
-
-def test_values_of_a_key():
-    assert read_vary(["solid.k=-0.5:0.9:15"])["solid.k"][8] == 0.3
-    assert read_vary(["a=holl, 0.3"]) == {"a": ["holl", 0.3]}
-    assert read_vary(['a="a,b",c']) == {"a": ["a,b", "c"]}
-    assert read_vary(['a=["normal","A"],named']) == {"a": [["normal", "A"], "named"]}
-    assert read_vary(["a=Bob's, 'x, ]', Ann's"]) == {"a": ["Bob's", "x, ]", "Ann's"]}
-    assert read_vary(["a=true,false"]) == {"a": [True, False]}
-    assert read_vary(["a=[[1, 0], [2, 0.5]]"]) == {"a": [[[1, 0], [2, 0.5]]]}
-    pairs = [(1, 3), (1, 4), (2, 3), (2, 4)]
-    assert product({"a": [1, 2], "b": [3, 4]}) == [{"a": a, "b": b} for a, b in pairs]
-    assert product([{"a": 1}, {"a": 2}]) == [{"a": 1}, {"a": 2}]
-    for wrong in ({}, {"a": []}, [], {"a": [1, 1.0]}, {"a": [[1, 0], [1, 0]]}):
-        with pytest.raises(SceneError, match="vary|varies"):
-            product(wrong)
 
 
 def test_memory_is_flat(monkeypatch):
