@@ -62,6 +62,7 @@ class ElasticBody:
         self.translations = [self._translation(i) for i in (X, Y)]
 
         self.nu, self.cell_height = self.constant(nu), cell_heights(mesh)
+        self._correction = modulus_correction(modulus, mesh, self.cell_height.function_space, degree)
         form_modulus, depth = with_parameters(modulus, self.constant), ufl.SpatialCoordinate(mesh)[1]
         self.solid = weak_form.Solid(form_modulus, self.nu, form_modulus.depth_map(), depth, self.cell_height)
 
@@ -131,9 +132,9 @@ class ElasticBody:
         return ufl.split(state) if self.mixed else (state, None)
 
     def stress(self):
-        """UFL stress (2, 2) in the body."""
+        """UFL stress (2, 2) in the body, to be evaluated at the Gauss points of the stiffness."""
         solid = self.solid
-        young = solid.modulus.young(solid.depth.y(solid.s))
+        young = self._correction * solid.modulus.young(solid.depth.y(solid.s))
         sigma = elasticity.stress(young * solid.depth.gradient(self.u, solid.s), self.nu, self.pi)
         return sigma if self.strain is None else sigma + elasticity.stretching_stress(young, self.nu, self.strain)
 
@@ -168,8 +169,7 @@ class ElasticBody:
         trial, (v, r) = ufl.TrialFunction(self.space), self.split(ufl.TestFunction(self.space))
         u, pi = self.split(trial)
         dx = ufl.dx(metadata={"quadrature_degree": 2 * self.degree + 1})  # the square of a gradient, in graded layers
-        correction = modulus_correction(self.modulus, self.mesh, self.cell_height.function_space, self.degree)
-        form = weak_form.internal_work(self.solid, u, pi, v, r, dx, correction)
+        form = weak_form.internal_work(self.solid, u, pi, v, r, dx, self._correction)
         for work in works:
             form += ufl.derivative(work(self, v), self.state, trial)
         return form

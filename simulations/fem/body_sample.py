@@ -19,8 +19,10 @@ class BodySample:
     """One state on the tensor-product mesh of columns ``x`` (c,) and layers ``s`` (l,), mesh depth.
 
     displacement (d (l-1) + 1, d (c-1) + 1, 2): at the nodes of degree d. stress (l-1, c-1, d, d, 4): xx, yy, xy, zz at
-    the Gauss points of each cell, where the stress of a finite element is most accurate; first index depth. is_half:
-    the mesh is the half x > 0 of a symmetric body, and what is asked for at x < 0 is the mirror image.
+    the Gauss points of each cell, where the stress of a finite element is most accurate; first index depth. It is the
+    stress that carries the loads: its mean over a cell is that of the virtual work (F1), with the exact mean of E where
+    E is infinite on the surface. is_half: the mesh is the half x > 0 of a symmetric body, and what is asked for at
+    x < 0 is the mirror image.
     """
 
     x: np.ndarray
@@ -74,15 +76,13 @@ class BodySampler:
 
     def __init__(self, numbering: Numbering):
         self.body, self.numbering = numbering.body, numbering
-        degree = self.body.degree - 1
-        variant = {"lagrange_variant": basix.LagrangeVariant.gl_warped} if degree else {}
-        cell = self.body.mesh.basix_cell()
-        element = basix.ufl.element("Lagrange", cell, degree, shape=(4,), discontinuous=True, **variant)
+        variant, cell = basix.LagrangeVariant.gl_warped, self.body.mesh.basix_cell()  # nodes: Gauss points of (F1)
+        element = basix.ufl.element("Lagrange", cell, self.body.degree, variant, shape=(4,), discontinuous=True)
         space = fem.functionspace(self.body.mesh, element)
         self._stress = fem.Function(space)
         self._expression = fem.Expression(_stresses(self.body), space.element.interpolation_points())
         dofs = space.dofmap.list
-        points = space.tabulate_dof_coordinates()[dofs]  # (cells, d², 3)
+        points = space.tabulate_dof_coordinates()[dofs]  # (cells, (d + 1)², 3)
         self._dofs = np.take_along_axis(dofs, _by_layers(points), axis=1)
 
     def sample(self) -> BodySample | None:
@@ -95,9 +95,11 @@ class BodySampler:
         if whole is None or stress is None:
             return None
         x, s = numbering.vertices
-        shape = len(s) - 1, len(x) - 1, body.degree, body.degree, 4
+        points, fit = body.degree + 1, _fit(body.degree)
+        given = stress.reshape(len(s) - 1, len(x) - 1, points, points, 4)
+        fitted = np.einsum("ai,bj,rcijk->rcabk", fit, fit, given, optimize=True)
         u = numbering.displacement(whole)
-        return BodySample(x, s, body.depth, body.degree, u, stress.reshape(shape), body.is_half)
+        return BodySample(x, s, body.depth, body.degree, u, fitted, body.is_half)
 
 
 def lagrange(nodes: np.ndarray, t: np.ndarray) -> np.ndarray:
@@ -112,6 +114,16 @@ def lagrange(nodes: np.ndarray, t: np.ndarray) -> np.ndarray:
 def _gauss(count):
     nodes, weights = np.polynomial.legendre.leggauss(count)
     return (nodes + 1.0) / 2.0, weights / 2.0
+
+
+def _fit(count):
+    """Matrix (count, count + 1): values at ``count`` Gauss points of the polynomial of that many coefficients that is
+    nearest, in L2, to values at ``count + 1``.
+    """
+    (nodes, _), (given, weights) = _gauss(count), _gauss(count + 1)
+    legendre = np.polynomial.legendre.legvander
+    norms = 2 * np.arange(count) + 1
+    return legendre(2 * nodes - 1, count - 1) @ (legendre(2 * given - 1, count - 1) * weights[:, None] * norms).T
 
 
 def _by_layers(points):

@@ -69,8 +69,7 @@ class FieldWriter:
             self._write_mesh(mesh, sample, *nodes)
         x, y = (a.ravel() for a in np.meshgrid(*nodes))
         fields = {"displacement": self._displacement(sample, x, y)}
-        s = (sample.s[:-1] + sample.s[1:]) / 2
-        fields |= self._stresses(sample.mean_stress(), sample.depth.y(s)[:, None])
+        fields |= self._stresses(sample.mean_stress(), self._cell_moduli(sample)[:, None])
         with hdf5(self.folder / FOLDER / file_name(number)) as file:
             step, scales = self.schedule[number], self.scaled.scales
             file.attrs["load_step"], file.attrs["state"] = number, self._kept[number]
@@ -97,18 +96,26 @@ class FieldWriter:
         length = self.scaled.scales.length
         x, y = self._lines.x / length, self._lines.y / length
         found = {"displacement": self._displacement(sample, x, y)}
-        return found | self._stresses(sample.stress_at(x, y), y)
+        with np.errstate(divide="ignore"):  # E is infinite on the surface where k < 0
+            young = np.broadcast_to(self.scaled.modulus.young(y), y.shape)
+        return found | self._stresses(sample.stress_at(x, y), young)
 
     def _displacement(self, sample, x, y):
         """(n, 3) [m], as a vector has three components to ParaView."""
         u = sample.displacement_at(x, y) * self.scaled.scales.displacement
         return np.column_stack([u[:, 0], -u[:, 1], np.zeros(len(u))])
 
-    def _stresses(self, stress, y):
+    def _cell_moduli(self, sample):
+        """E of each layer of cells: at its middle, the mean where E is infinite on the surface."""
+        modulus, y = self.scaled.modulus, sample.depth.y(sample.s)
+        if modulus.is_singular:
+            return modulus.layer_mean(y[:-1], y[1:])
+        middle = sample.depth.y((sample.s[:-1] + sample.s[1:]) / 2)
+        return np.broadcast_to(modulus.young(middle), middle.shape)
+
+    def _stresses(self, stress, young):
         scales = self.scaled.scales
-        with np.errstate(divide="ignore"):  # E is infinite on the surface where k < 0
-            young = np.broadcast_to(self.scaled.modulus.young(y), y.shape) * scales.modulus
-        return from_stress(stress * DOWN_TO_UP * scales.stress, young, self.nu)
+        return from_stress(stress * DOWN_TO_UP * scales.stress, young * scales.modulus, self.nu)
 
     def _write_mesh(self, path, sample, columns, layers):
         """points (n, 3); cells (m, (d + 1)²) in VTK's order, and their corners (m, 4); x and depth of the vertices."""

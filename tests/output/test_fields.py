@@ -77,6 +77,21 @@ def test_stress_against_line_forces(changes):
     assert np.abs(sample.stress_at(x, y) - expected).max() < 4e-3 * np.abs(expected).max()
 
 
+@pytest.mark.parametrize("k", [-0.5, -0.3, 0.3])
+def test_the_uppermost_cells_carry_the_tractions(k):
+    """Cells of a thousandth of a carry p at each place and all of P and Q, though E is 0 or infinite."""
+    changes = {"solid__k": k, "solid__nu": 0.3, "mesh__first_layer": 1e-3}
+    simulation = coarse_simulation(**(FINER | UNCOUPLED | changes)).run_to_end()
+    sample, loop = BodySampler(simulation.numbering).sample(), simulation.loop
+    _, yy, xy, _ = sample.mean_stress()[0].T
+    x = (sample.x[1:] + sample.x[:-1]) / 2
+    inside = np.abs(x) < 0.8
+    assert yy[inside] == pytest.approx(-loop.contact.pressure(x[inside]), rel=5e-3)
+    near, wide = (np.diff(sample.x) * (np.abs(x) < end) for end in (2.0, 10.0))
+    assert near @ yy == pytest.approx(-loop.contact.P, rel=2e-3)
+    assert wide @ xy == pytest.approx(-loop.Q_A, rel=1e-2)  # some of Q comes in along x, where the surface is stiff
+
+
 def test_what_follows_from_the_stress():
     """Against eigenvalues, the deviator and half of stress times strain, for stresses of any sign."""
     rng = np.random.default_rng(1)
