@@ -187,6 +187,16 @@ def test_a_run_that_goes_on_is_not_removed(tmp_path):
     assert contents(tmp_path) == before
 
 
+def test_a_run_whose_scene_was_changed_stops_overwrite_before_anything_is_removed(tmp_path):
+    run(tmp_path, "0.2,0.25", "--folders")
+    with open(tmp_path / "run-0002" / "scene.toml", "a") as file:
+        file.write("# edited\nload.mu = 0.9\n")
+    before = contents(tmp_path)
+    with pytest.raises(SceneError, match="run-0002: scene.toml is not as the run wrote it; it was changed afterwards"):
+        run(tmp_path, "0.3,0.4", "--folders", "--overwrite")
+    assert contents(tmp_path) == before
+
+
 def test_checks_that_fail_are_told(tmp_path, monkeypatch):
     """Their scenes have results, so the exit code is that of a single run whose checks fail."""
     numbers = sweeping.numbers
