@@ -72,8 +72,9 @@ def compared(
     last, mine = history.entries[-1], quantities(simulation)
     left, right = other.contact(last)
     half_width = (right - left) / 2
-    peak = float(other.pressure(last, last.surface.x).max())
-    values = {"a": half_width * scales.length, "peak_pressure": peak * scales.stress}
+    values = {"a": half_width * scales.length}
+    if not simulation.hidden_peak:
+        values["peak_pressure"] = float(other.pressure(last, last.surface.x).max()) * scales.stress
     if "c" in deviations:
         values["c_over_a"] = other.stick_half_width(last) / half_width
     if "dissipated_energy" in deviations:

@@ -4,6 +4,8 @@ from collections.abc import Iterator
 from dataclasses import replace
 from functools import cached_property, partial
 
+import numpy as np
+
 from analytic import GradedHalfPlane, PowerLawKernel, PressingWithFriction, normal_contact, point_force_displacement
 from analytic.coupled.exponents import edge_exponents
 
@@ -31,6 +33,7 @@ from .limits import (
     check_resolution,
     check_round_off,
     check_size,
+    hidden_peak,
     too_wide,
     warnings_of,
 )
@@ -100,7 +103,16 @@ class Simulation(Plan):
     @property
     def warnings(self) -> list[str]:
         """What theory or mesh show badly, one line each."""
-        return warnings_of(self.scene, self.cells, self.loop, self.scaled)
+        found = warnings_of(self.scene, self.cells, self.loop, self.scaled)
+        return [*found, self.hidden_peak] if self.hidden_peak else found
+
+    @cached_property
+    def hidden_peak(self) -> str:
+        """What to say of a peak of the pressure that is too narrow for the mesh; "" where it has none."""
+        x, _ = self.ordinates
+        middle = np.searchsorted(x, 0.0)
+        spacing = (x[middle] - x[middle - 1]) / self.scene.mesh.degree
+        return hidden_peak(self.pressing_with_friction, float(spacing), self.scaled)
 
     def _first_half_width(self) -> float:
         """Of the frictionless contact under the first load; of a coating not more than a, nearly."""

@@ -13,8 +13,8 @@ from simulations.runs import expected_edges
 from simulations.runs.comparison import compare
 from simulations.runs.explain import explain
 from simulations.runs.limits import NARROWEST_STICK
-from simulations.runs.reference import of_same_physics
-from simulations.runs.report_data import summary
+from simulations.runs.reference import closed_form, of_same_physics
+from simulations.runs.report_data import compared, summary
 from simulations.scene import DEFAULT_SCENE, SceneError
 from simulations.scene.steepness import SMALL, edge_slope
 from simulations.studies.sweeping import sweep
@@ -97,6 +97,22 @@ def test_a_stick_zone_is_told_where_its_half_width_is_off(share, least, most):
     for words in told:
         assert f"mesh.edge_facet = 0.004 is too coarse for c/a: the stick half-width is {c:.2g} a" in words
         assert words.endswith(f"at load.amplitude = {1 - c**2.5} and needs 0.002 or less")  # rounded it could be 1
+
+
+@pytest.mark.parametrize(
+    "k, mu, low, told", [(-0.5, 0.8, 0.14, "is 6.2e+09 Pa"), (-0.5, 0.5, 1.0, "is infinite"), (0.3, 0.3, 0.0, "")]
+)
+def test_a_peak_that_the_mesh_hides_is_told_and_not_compared(k, mu, low, told):
+    """By Spence's similar solution: pressed on with friction, slip from both sides meets at x = 0."""
+    keys = {"solid.k": k, "solid.nu": 0.0, "load.mu": mu, "effects.friction_in_normal_stage": True}
+    keys |= {"load.cycles": 0, "solver.increments": 1, "load.amplitude": 0.1}
+    simulation = Simulation(MPI.COMM_SELF, make_scene(keys)).run_to_end()
+    pressed = [entry for entry in simulation.history.entries if entry.step.branch == "normal"][-1]
+    exact = simulation.pressing_with_friction.pressure(0.0)
+    assert 1 - pressed.peak_pressure / exact == pytest.approx(low, abs=0.01)
+    words = [words for words in simulation.warnings if "the pressure peaks at x = 0" in words]
+    assert len(words) == bool(told) and all(f"the exact peak after pressing {told}" in one for one in words)
+    assert ("peak_pressure" in compared(simulation, closed_form(simulation)).values) == (not told)
 
 
 def test_edges_that_are_not_found_before_are_told(monkeypatch):
