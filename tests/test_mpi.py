@@ -12,7 +12,7 @@ from running import ROOT, environment
 def test_on_ranks(ranks):
     command = [shutil.which("mpirun"), "-n", str(ranks), sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider"]
     done = subprocess.run(
-        [*command, "tests/mpi"], cwd=ROOT, env=environment(), timeout=300, text=True, capture_output=True
+        [*command, "tests/mpi"], cwd=ROOT, env=environment(), timeout=900, text=True, capture_output=True
     )
     assert done.returncode == 0, done.stdout[-3000:] + done.stderr[-1000:]
     assert done.stdout.count(" passed") == ranks

@@ -6,7 +6,6 @@ rank and prints, as JSON, the line of each, the seconds it took and what it left
 
 import json
 import sys
-import time
 from pathlib import Path
 
 from simulations import fretting
@@ -277,15 +276,13 @@ def write_scenes(folder: Path):
         (folder / name).write_bytes(content if isinstance(content, bytes) else content.encode())
 
 
-def refusal(arguments) -> tuple[str | None, float]:
-    """The line about a command line, None where there is none, and the seconds until it comes."""
-    start = time.perf_counter()
+def refusal(arguments) -> str | None:
+    """The line about a command line, None where there is none."""
     try:
         fretting.main(list(arguments))
-        line = None
     except SceneError as error:
-        line = str(error)
-    return line, time.perf_counter() - start
+        return str(error)
+    return None
 
 
 if __name__ == "__main__":
