@@ -19,39 +19,20 @@ import ufl
 
 from . import contact, elasticity
 from .contact import X, Y
-from .depth_map import DepthMap
-from .modulus import Modulus
+from .elasticity import Solid
 
 
-@dataclass(frozen=True)
-class Solid:
-    """The elastic solid in the forms: E(y) and nu with constants as parameters, mesh depth s, height h of the cells."""
-
-    modulus: Modulus
-    nu: Any
-    depth: DepthMap
-    s: Any
-    h: Any
-
-    def traction(self, u, pi):
-        """t = sigma n on the surface, n the outward normal."""
-        return elasticity.surface_traction(u, self.modulus, self.nu, self.depth, self.h, pi)  # (F3)
-
-    def surface_modulus(self):
-        """Plane-strain modulus E/(1 - nu²) of the surface cells, per mesh depth."""
-        return self.modulus.surface_moduli(self.h, self.depth)[1] / (1.0 - self.nu**2)
-
-
-def internal_work(solid: Solid, u, pi, v, r, dx, correction=1.0):
-    """Virtual work of the stresses; in the mixed form also what makes ``pi`` the mean stress. pi, r: None if plain.
-
-    correction: factor on E, cell by cell (``elasticity.virtual_work``).
-    """
-    E, nu, depth, s = solid.modulus, solid.nu, solid.depth, solid.s
-    work = elasticity.virtual_work(u, v, E, nu, depth, s, correction, pi) * dx  # (F1)
+def internal_work(solid: Solid, u, pi, v, r, dx):
+    """Virtual work of the stresses; in the mixed form also what makes ``pi`` the mean stress. pi, r: None if plain."""
+    work = elasticity.virtual_work(solid, u, v, pi) * dx  # (F1)
     if pi is not None:
-        work += elasticity.dilatation(u, pi, r, E, nu, depth, s, correction) * dx  # (F2)
+        work += elasticity.dilatation(solid, u, pi, r) * dx  # (F2)
     return work
+
+
+def surface_traction(solid: Solid, u, pi):
+    """t = sigma n on the surface, n the outward normal."""
+    return elasticity.surface_traction(solid, u, pi)  # (F3)
 
 
 @dataclass(frozen=True)

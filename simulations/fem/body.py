@@ -62,9 +62,9 @@ class ElasticBody:
         self.translations = [self._translation(i) for i in (X, Y)]
 
         self.nu, self.cell_height = self.constant(nu), cell_heights(mesh)
-        self._correction = modulus_correction(modulus, mesh, self.cell_height.function_space, degree)
-        form_modulus, depth = with_parameters(modulus, self.constant), ufl.SpatialCoordinate(mesh)[1]
-        self.solid = weak_form.Solid(form_modulus, self.nu, form_modulus.depth_map(), depth, self.cell_height)
+        correction = modulus_correction(modulus, mesh, self.cell_height.function_space, degree)
+        law, s = with_parameters(modulus, self.constant), ufl.SpatialCoordinate(mesh)[1]
+        self.solid = elasticity.Solid(law, self.nu, law.depth_map(), s, self.cell_height, correction)
 
         far = fem.locate_dofs_topological(self.displacements, 1, facets.find(FAR))
         self.far_value = fem.Function(self.space)
@@ -133,9 +133,7 @@ class ElasticBody:
 
     def stress(self):
         """UFL stress (2, 2) in the body, to be evaluated at the Gauss points of the stiffness."""
-        solid = self.solid
-        young = self._correction * solid.modulus.young(solid.depth.y(solid.s))
-        sigma = elasticity.stress(young * solid.depth.gradient(self.u, solid.s), self.nu, self.pi)
+        sigma, young = self.solid.stress(self.u, self.pi), self.solid.young
         return sigma if self.strain is None else sigma + elasticity.stretching_stress(young, self.nu, self.strain)
 
     def stretch(self, strain: float):
@@ -169,7 +167,7 @@ class ElasticBody:
         trial, (v, r) = ufl.TrialFunction(self.space), self.split(ufl.TestFunction(self.space))
         u, pi = self.split(trial)
         dx = ufl.dx(metadata={"quadrature_degree": 2 * self.degree + 1})  # the square of a gradient, in graded layers
-        form = weak_form.internal_work(self.solid, u, pi, v, r, dx, self._correction)
+        form = weak_form.internal_work(self.solid, u, pi, v, r, dx)
         for work in works:
             form += ufl.derivative(work(self, v), self.state, trial)
         return form

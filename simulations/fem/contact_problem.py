@@ -68,13 +68,13 @@ class ContactProblem:
 
     def _law(self, height, nitsche, mu) -> weak_form.Contact:
         body, points = self.body, self.points
-        gamma = body.constant(nitsche.gamma0 * body.degree**2) * body.solid.surface_modulus() / body.cell_height
+        gamma = body.constant(nitsche.gamma0 * body.degree**2) * body.solid.surface_modulus / body.cell_height
         parameters = weak_form.NitscheParameters(gamma, body.constant(nitsche.theta) if nitsche.theta else None)
         u, pi = body.u, body.pi
         if self.held is not None:
             held_u, held_pi = body.split(self.held.state)
             u, pi = u - held_u, None if pi is None else pi - held_pi
-        t = body.solid.traction(u, pi)
+        t = weak_form.surface_traction(body.solid, u, pi)
         if not self.friction:
             return weak_form.frictionless_contact(u, t, body.delta, self._profile(height), parameters)
         friction = weak_form.Friction(
