@@ -6,17 +6,14 @@ import html
 import json
 from pathlib import Path
 
-import matplotlib.pyplot as plt
-
 from .command.command import Parser, on_root, run, say
 from .output import page_figures as figures
 from .output.body_states import read_states
 from .output.files import write_text
 from .output.folder import refuse_changed
 from .output.page_words import CHECKS, FIELDS, PHASES, QUANTITIES, asked, quantity
-from .output.style import left_out, spread, style
+from .output.style import left_out, spread
 from .scene import SceneError, parse, shown
-from .studies.body_stress import draw, half_width, inside
 
 PAGE = "report.html"
 SHOWN_STATES = 6  # of the body
@@ -159,20 +156,9 @@ def _body(folder, rows):
     except SceneError:  # no fields, or other ones were asked for
         return ""
     drawn = spread([*states.values()], SHOWN_STATES)
-    a = half_width(rows)
-    with style():
-        lines = -(-len(drawn) // 3)
-        size = (figures.WIDTH, 2.1 * lines + 0.4)
-        figure, axes = plt.subplots(lines, 3, figsize=size, layout="constrained", squeeze=False)
-        scale = max(inside(state, a).max() for state in drawn)
-        for axis, state in zip(axes.flat, drawn, strict=False):
-            filled = draw(axis, state, a, scale)
-        for axis in axes.flat[len(drawn) :]:
-            axis.set_visible(False)
-        figure.colorbar(filled, ax=axes.ravel().tolist(), label="von Mises stress [MPa]")
-        image = figures.png(figure)
     note = _paragraph(left_out(len(drawn), len(states)), "small")
-    return "<h2>Stress in the body</h2>" + _image(image, "von Mises stress below the contact at recorded states") + note
+    image = _image(figures.body(drawn, rows), "von Mises stress below the contact at recorded states")
+    return "<h2>Stress in the body</h2>" + image + note
 
 
 def _solved(summary):

@@ -7,6 +7,8 @@ import h5py
 import matplotlib.pyplot as plt
 import numpy as np
 
+from .body_pictures import fill, half_width, inside
+from .body_states import BodyState
 from .page_words import prefixed, quantity
 from .style import BLACK, BLUE, COLOURS, GREY, left_out, spread, style
 
@@ -49,6 +51,17 @@ def surface(folder: Path, rows: list[dict]) -> bytes | None:
         labels = [_label(state, data, place, varies) for state, place in shown.items()]
         title = left_out(len(shown), len(named))
         figure.legend(axes[0, 0].lines, labels, loc="outside lower center", ncols=len(labels), title=title)
+        return png(figure)
+
+
+def body(states: list[BodyState], rows: list[dict]) -> bytes:
+    """Von Mises stress below the contact at the states; rows: those of history.csv."""
+    a = half_width(rows)
+    with style():
+        lines = -(-len(states) // 3)
+        size = (WIDTH, 2.1 * lines + 0.4)
+        figure, axes = plt.subplots(lines, 3, figsize=size, layout="constrained", squeeze=False)
+        fill(figure, axes, states, a, scale=max(inside(state, a).max() for state in states))
         return png(figure)
 
 

@@ -2,26 +2,21 @@
 
 import csv
 from argparse import Namespace
-from collections.abc import Iterable
 from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.animation import FuncAnimation, PillowWriter
-from matplotlib.ticker import MaxNLocator
 
 from ..command.command import comm, on_root, run, say
+from ..output.body_pictures import STRESS, draw, fill, half_width, inside
 from ..output.body_states import BodyState, read_states
 from ..output.checkpoint import read_scene
 from ..output.files import on_disk
 from ..output.folder import refuse_changed
-from ..output.page_words import quantity
 from ..output.style import in_words, panels, save, style
 from ..scene import SceneError
 from .commandline import make_folders, study_parser
-
-REACH, DEPTH = 1.6, 1.6  # drawn part of the body, in contact half-widths a
-WORDS = {"initial": "first loading", "unloading": "unloading", "reloading": "reloading", "path": "path"}
 
 
 def main(arguments: list[str]):
@@ -40,40 +35,17 @@ def main(arguments: list[str]):
         note = "von Mises stress of plane strain, means over cells, from the fields of the run; depth downwards."
         title = f"Stress in the body through the cycle\n{in_words(given.scene)}"
         figure, axes = panels(columns, title, note, rows, width=4.2, height=2.6)
-        for axis, state in zip(axes.flat, shown, strict=False):
-            filled = draw(axis, state, a, scale)
-        for axis in axes.flat[len(shown) :]:
-            axis.set_visible(False)
-        figure.colorbar(filled, ax=axes.ravel().tolist(), label="von Mises stress [MPa]")
+        fill(figure, axes, shown, a, scale)
         paths = save(figure, given.output, "body")
         if given.animate:
             paths.append(animate(states, a, scale, given.output / "body.gif"))
     say(f"written to {given.output}: {', '.join(path.name for path in paths)}")
 
 
-def inside(state: BodyState, a: float):
-    """Stress beneath the surface layers, in which a graded body may carry a spike."""
-    return state.von_mises[np.ix_((state.y > 0.02 * a) & (state.y < 3 * a), np.abs(state.x) < 3 * a)]
-
-
-def draw(axis, state: BodyState, a: float, scale: float):
-    """Filled contours of one state over x/a and y/a; scale: stress at the end of the colours [Pa]."""
-    shown_x, shown_y = np.abs(state.x) < 1.1 * REACH * a, state.y < 1.2 * DEPTH * a
-    levels = MaxNLocator(22, steps=[1, 2, 2.5, 5, 10]).tick_values(0, scale / 1e6)
-    stress = state.von_mises[np.ix_(shown_y, shown_x)] / 1e6
-    filled = axis.contourf(state.x[shown_x] / a, state.y[shown_y] / a, stress, levels, cmap="viridis", extend="max")
-    letter, _, branch = state.label.partition(", ")
-    axis.set(xlim=(-REACH, REACH), ylim=(DEPTH, 0), aspect="equal")
-    axis.set(xlabel=f"position $x/a$ [–]  (1 = {quantity(a, 'm', 3)})", ylabel="depth $y/a$ [–]")
-    axis.set_title(f"{letter} ({WORDS[branch]})" if branch else letter)
-    axis.grid(False)
-    return filled
-
-
 def animate(states: list[BodyState], a: float, scale: float, path: Path) -> Path:
     """GIF of the states in turn, half a second each."""
     figure, axis = plt.subplots(figsize=(5.5, 3.6), layout="constrained")
-    figure.colorbar(draw(axis, states[0], a, scale), ax=axis, label="von Mises stress [MPa]")
+    figure.colorbar(draw(axis, states[0], a, scale), ax=axis, label=STRESS)
 
     def show(i):
         axis.clear()
@@ -102,11 +74,6 @@ def read(arguments: list[str]) -> Namespace:
     given.output = given.output or given.folder
     make_folders(given)
     return given
-
-
-def half_width(rows: Iterable[dict]) -> float:
-    """Contact half-width of the widest state [m]; rows: those of history.csv."""
-    return float(np.nanmax([float(row["a[m]"]) for row in rows]))
 
 
 if __name__ == "__main__":
