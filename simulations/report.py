@@ -10,12 +10,11 @@ from .command.command import Parser, on_root, run, say
 from .output import page_figures as figures
 from .output.body_states import read_states
 from .output.files import write_text
-from .output.folder import refuse_changed
+from .output.folder import REPORT, refuse_changed
 from .output.page_words import CHECKS, FIELDS, PHASES, QUANTITIES, asked, quantity
 from .output.style import left_out, spread
 from .scene import SceneError, parse, shown
 
-PAGE = "report.html"
 SHOWN_STATES = 6  # of the body
 STYLE = """body{font:15px/1.45 sans-serif;max-width:64em;margin:2em auto;padding:0 1em;color:#222}
 h1{font-size:1.5em}h2{font-size:1.1em;margin:1.2em 0 .2em}p{margin:.3em 0}
@@ -39,10 +38,10 @@ def write(folder: Path) -> Path:
     """Make the page of ``folder``; SceneError where it cannot be written."""
     text = page(folder)
     try:
-        write_text(folder / PAGE, text)
+        write_text(folder / REPORT, text)
     except OSError as error:
-        raise SceneError(f"{shown(folder / PAGE)} cannot be written: {error.strerror}") from None
-    return folder / PAGE
+        raise SceneError(f"{shown(folder / REPORT)} cannot be written: {error.strerror}") from None
+    return folder / REPORT
 
 
 def read(arguments: list[str]) -> Path:
