@@ -49,7 +49,7 @@ class ContactProblem:
         self.body, self.directions, self.mu, self.elastic = body, directions, mu, elastic
         self.points = SurfacePoints(body)
         self.held = None if Y in directions else HeldPressure(self.points)
-        law = self._law(height, nitsche, mu)
+        law = self._law(height, nitsche)
         self.terms = ContactTerms(self.points, law, self.held)
         self.memory = self.safeguards = None
         if self.friction:
@@ -66,7 +66,7 @@ class ContactProblem:
         assert self.held and normal.terms.pressure  # which stages these are is fixed by their directions
         self.held.hold(normal.terms.pressure, normal.terms.nodal_forces(Y))  # all of them for theta = 0
 
-    def _law(self, height, nitsche, mu) -> weak_form.Contact:
+    def _law(self, height, nitsche) -> weak_form.Contact:
         body, points = self.body, self.points
         gamma = body.constant(nitsche.gamma0 * body.degree**2) * body.solid.surface_modulus / body.cell_height
         parameters = weak_form.NitscheParameters(gamma, body.constant(nitsche.theta) if nitsche.theta else None)
@@ -78,7 +78,7 @@ class ContactProblem:
         if not self.friction:
             return weak_form.frictionless_contact(u, t, body.delta, self._profile(height), parameters)
         friction = weak_form.Friction(
-            mu=body.constant(mu),
+            mu=body.constant(self.mu),
             anchor=points.field("anchor"),
             imposed=points.field("imposed"),
             stretch=None if body.strain is None else contact.stretch(body.strain, ufl.SpatialCoordinate(body.mesh)[0]),

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .body import ElasticBody, X, Y
+from .body import X, Y
 from .contact_problem import ContactProblem
 
 SKIPPED, FITTED = 5, 10  # nodes next to an edge that carry its discretisation error, and those read beyond them
@@ -48,9 +48,9 @@ class SurfaceState:
 class SurfaceSampler:
     """Collects a SurfaceState from all ranks. problem: any on the body; uncoupled: the pressure's u_x is not slip."""
 
-    def __init__(self, body: ElasticBody, problem: ContactProblem, uncoupled: bool = False):
-        self.body, self._uncoupled = body, uncoupled
-        self._nodes = body.surface_nodes
+    def __init__(self, problem: ContactProblem, uncoupled: bool = False):
+        self.body, self._uncoupled = problem.body, uncoupled
+        self._nodes = self.body.surface_nodes
         self.x = self._mirrored(self._nodes.x, -1)
         self.weight = self._collect_sums(problem.terms.tributary_lengths()[self._nodes.owned])
 

@@ -149,7 +149,7 @@ class LoadStepping:
         return EnteringPoints(self.problem, self._edge)
 
     def _start(self, problem):
-        return Newton(self._system(problem), self.body.mesh.comm, tolerance=self._tolerance)
+        return Newton(self._system(problem), self._tolerance)
 
     def _begin_friction(self):
         self._normal_newton, self.problem = self._newton, self.frictional

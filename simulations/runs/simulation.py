@@ -96,7 +96,7 @@ class Simulation(Plan):
             self._zigzag,
         )
         self.body.delta.value[Y] = indenter.height(self._first_half_width())  # overlap there: where Newton starts
-        self.sampler = SurfaceSampler(self.body, normal, scene.friction and "coupling" not in self.effects)
+        self.sampler = SurfaceSampler(normal, scene.friction and "coupling" not in self.effects)
         self.resumed = 0  # times
         self.history = History(scene.k, self.mu, indenter.order if pressing else None, self._exponents())
 

@@ -72,8 +72,9 @@ def _weakly(method):
 class Newton:
     """Solves a System for given line loads, from its present state; tolerance: of forces and loads, over P."""
 
-    def __init__(self, system: System, comm, tolerance: float = FORCE_TOLERANCE):
+    def __init__(self, system: System, tolerance: float = FORCE_TOLERANCE):
         self.system, self._wanted = system, tolerance
+        comm = system.problem.body.mesh.comm
         self.x, self._f = system.create_vector(), system.create_vector()
         shape = (self.x.getLocalSize(), None)
         jacobian = PETSc.Mat().createPython((shape, shape), _Operator(system), comm)
@@ -140,7 +141,7 @@ class Newton:
             converged=converged,
             iterations=self.snes.getIterationNumber() + predict,
             residual=self._norms[0],
-            reason=self._reason(code),
+            reason="" if code > 0 else _REASONS.get(code, f"SNES reason {code}"),
             tolerance=self._tolerance,
             changes=tuple(self._changes),
         )
@@ -235,11 +236,6 @@ class Newton:
         if before is not None:
             changed = int(np.count_nonzero(states != before))
             self._changes.append(self.snes.comm.tompi4py().allreduce(changed))
-
-    def _reason(self, code):
-        if code > 0:
-            return ""
-        return _REASONS.get(code, f"SNES reason {code}")
 
     def _test(self, snes, iteration, norms):
         before = self._last_force

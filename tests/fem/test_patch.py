@@ -44,7 +44,7 @@ def pressed(body, friction, load, method) -> ContactProblem:
         if with_friction:
             problem.memory.release()
         system = FullSystem(problem) if method == "full" else CondensedSystem(problem, compliance)
-        result = Newton(system, body.mesh.comm).solve(stage_load, predict=with_friction)
+        result = Newton(system).solve(stage_load, predict=with_friction)
         assert result.converged, result.reason
     return problem
 
@@ -56,7 +56,7 @@ def test_uniform_tractions(k, mixed, friction, method):
     body, exact = confined_block(k, mixed)
     load = Load(P=0.8, Q=0.2 if friction else 0.0)
     problem = pressed(body, friction, load, method)
-    state = SurfaceSampler(body, problem).sample(problem)
+    state = SurfaceSampler(problem).sample(problem)
     u = exact(0.0, 0.0, P=load.P, Q=load.Q)
     assert state.pressure == pytest.approx(load.P / WIDTH, rel=1e-9)
     assert state.traction == pytest.approx(load.Q / WIDTH, rel=1e-9, abs=1e-12)
