@@ -113,8 +113,7 @@ def describe(checks: dict[str, Check]) -> str:
 
 def imbalance(entry: Entry) -> float:
     """Largest difference of the integrated tractions from the loads, over P."""
-    step, surface = entry.step, entry.surface
-    P, Q = surface.line_load(surface.pressure), surface.line_load(surface.traction)
+    (P, Q), step = entry.carried, entry.step
     return max(abs(P - step.P), abs(Q - step.Q)) / step.P
 
 
