@@ -37,14 +37,15 @@ class Plan:
     def __init__(self, scene: Scene, watch: Stopwatch):
         self.scene, self.effects, self.watch = scene, Effects(scene), watch
         self.scaled = Scaled.of(scene)
+        scales = self.scaled.scales
+        self._strain = scene.bulk_strain * scales.length / scales.displacement  # as a Load has it
         self.contact, self.mu = self.scaled.contact, scene.mu
         self.loop = None
         if scene.is_loop and self.contact:
             self.loop = self.contact.fretting(mu=self.mu, z=1.0 - scene.load.amplitude)
         self.stretched = None
         if self.loop and "bulk strain" in self.effects and scene.stretched_loop:
-            strain = scene.bulk_strain * self.scaled.scales.length / self.scaled.scales.displacement
-            self.stretched = StretchedLoop(self.loop, strain)
+            self.stretched = StretchedLoop(self.loop, self._strain)
         self.schedule = self._schedule()
 
     @cached_property
@@ -133,10 +134,10 @@ class Plan:
 
     def _loop(self, cycles: int, quarter: int, normal: list[LoadStep]) -> list[LoadStep]:
         """The normal stage and rocking, ``quarter`` load steps per Q_A."""
-        scene, scales = self.scene, self.scaled.scales
+        scene = self.scene
         strained, phase = "bulk strain" in self.effects, scene.bulk_phase
         harmonic = strained and phase not in (0.0, "constant")  # else Q and strain go straight
         schedule = normal + rocking(1.0, scene.load.amplitude * self.mu, cycles, quarter, harmonic)
         if not strained:
             return schedule
-        return stretched(schedule, scene.bulk_strain * scales.length / scales.displacement, phase)
+        return stretched(schedule, self._strain, phase)
