@@ -229,11 +229,7 @@ class Simulation(Plan):
             below = self.scaled.modulus.young(extent)
             solid = GradedHalfPlane(E0=float(below), nu=solid.nu, k=0.0, y0=1.0)
         fixed_depth = None if solid.k >= SMALLEST_K_AT_INFINITY else extent
-
-        def displacement(x, y, **load):
-            return point_force_displacement(solid, x, y, fixed_depth=fixed_depth, **load)
-
-        return displacement
+        return partial(point_force_displacement, solid, fixed_depth=fixed_depth)
 
 
 def _stuck(pressing: PressingWithFriction):
