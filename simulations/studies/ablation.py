@@ -109,10 +109,10 @@ def change(on: Simulation, off: Simulation) -> dict[str, float]:
     return found
 
 
-def study(repeats: int, cases=CASES) -> tuple[list[dict], str]:
+def study(repeats: int) -> tuple[list[dict], str]:
     """Rows of the CSV and lines of the table, case by case."""
     rows, lines = [], ""
-    for case in cases:
+    for case in CASES:
         runs = {}
         for switch, overrides in (("on", case.on), ("off", case.off)):
             simulation, seconds = runs[switch] = solve(overrides, case.increments, repeats)

@@ -67,7 +67,7 @@ def main(arguments: list[str]):
 
 def simulated(points: list[Point], store: Store, executor: Executor | None) -> dict[Point, Energies]:
     """By simulation, where that converges; loops in the store are not run again."""
-    items = [Item(f"k = {p.k:g}, Q_A = {p.amplitude:g} μP, |x|^{p.m:g}", p.as_dict()) for p in points]
+    items = [Item(f"k = {p.k:g}, Q_A = {p.amplitude:g} μP, |x|^{p.m:g}", vars(p)) for p in points]
     rows = run_all(items, _loop, store, executor, say)
     return {point: Energies(**row) for point, row in zip(points, rows, strict=True) if FAILED not in row}
 

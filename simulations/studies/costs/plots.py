@@ -56,7 +56,7 @@ def draw(rows: list[dict], folder: Path) -> list[Path]:
 def work_precision(rows):
     """Error against seconds for each quantity, fineness by fineness."""
     lines = {
-        p: _sorted([r for r in rows if r["study"] in ("fineness", "peer") and r["problem"] == p], "cpu_s")
+        p: _by_seconds(r for r in rows if r["study"] in ("fineness", "peer") and r["problem"] == p)
         for p in UNCOUPLED
     }
     lines = {problem: line for problem, line in lines.items() if line}
@@ -79,7 +79,7 @@ def work_precision(rows):
 def coupled(rows):
     """Loops with coupling, every state: worst q and the energy of the cycle against seconds, load steps included."""
     found = [row for row in rows if row["study"] in ("fineness", "peer") and row.get("traction_of_states", "") != ""]
-    lines = {p: _sorted([row for row in found if row["problem"] == p], "cpu_s") for p in WITH_COUPLING}
+    lines = {p: _by_seconds(row for row in found if row["problem"] == p) for p in WITH_COUPLING}
     lines = {problem: line for problem, line in lines.items() if line}
     if not lines:
         return None
@@ -193,8 +193,8 @@ def pareto(rows):
     return figure
 
 
-def _sorted(rows, key):
-    return sorted(rows, key=lambda row: row[key])
+def _by_seconds(rows):
+    return sorted(rows, key=lambda row: row["cpu_s"])
 
 
 def _finest(found, problem, key):

@@ -4,7 +4,7 @@ A power law and a power profile f ~ |x|^m have no length of their own. y0 only s
 and all lengths go with it, slips and energies with a^m: with or without coupling one loop serves every y0.
 """
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import cache
 from math import pi
 
@@ -25,10 +25,6 @@ class Point:
     m: float
     nu: float
     mu: float
-
-    def as_dict(self) -> dict[str, float]:
-        """By name."""
-        return asdict(self)
 
 
 @dataclass(frozen=True)

@@ -66,12 +66,7 @@ class Deviation:
         """Deviation of nodal values (n,) from those of the closed form; exact: same physics."""
         distance = np.abs(computed - closed)
         largest, l2 = float(distance.max() / np.abs(closed).max()), relative_l2(weight, computed, closed)
-        return cls(panel, curve, quantity, kind_of(exact), largest, l2, int(distance.argmax()))
-
-
-def kind_of(exact: bool) -> str:
-    """The word for a deviation."""
-    return "error" if exact else "difference"
+        return cls(panel, curve, quantity, "error" if exact else "difference", largest, l2, int(distance.argmax()))
 
 
 def convert(values, own: Units, target: Units, quantity: str):

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...output.style import BLUE, COLOURS, GREEN, MARKERS, ORANGE, PURPLE, RED, panels
-from .elements import Deviation, Runs, convert, kind_of
+from .elements import Deviation, Runs, convert
 from .setting import DEPTHS, EXPONENTS, GRADINGS, MU, NU, contact, homogeneous_units, own_units
 
 COMPUTED = (0.3, 0.6, 0.9)  # amplitudes of the finite-element loops
@@ -90,7 +90,7 @@ def _draw(runs, title, note, lines, titles):
             exact = curve(line.k, line.y0_over_a0, COMPUTED)
             largest = float(np.max(np.abs(computed / exact - 1)))
             name = f"k = {line.k:g}, y0 = {line.y0_over_a0:g} a0"
-            deviations.append(Deviation(panel, name, "energy", kind_of(True), largest, float("nan")))
+            deviations.append(Deviation(panel, name, "energy", "error", largest, float("nan")))
         for one in (axis, logarithmic):
             one.set(xlabel=r"amplitude $Q_A/(\mu P)$ [–]", ylabel=r"$\Delta W\,/\,(\mu^2 P a_0^2/2R)$ [–]", xlim=(0, 1))
         axis.set(title=titles[panel], ylim=(0, None))
