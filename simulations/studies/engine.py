@@ -78,14 +78,13 @@ def run_all(
     store: Store | None = None,
     executor: Executor | None = None,
     tell: Callable[[str], None] | None = None,
-    takes_part: bool = True,
 ) -> list[Row]:
     """The row of every item, in order: what ``work(item.values)`` returns, or ``{"failed": reason}``.
 
     What the store holds is not run again, unless its folder is not whole; a failed run is told, never kept (another
-    call tries it again), and never the end of the others. executor: None, or where runs may go; takes_part: this
-    process works too, from the end of the list, so that N ranks do the work of N. tell: called with lines of progress.
-    OutputError where the store cannot be written.
+    call tries it again), and never the end of the others. executor: None, or where runs may go; this process works too,
+    from the end of the list, so that N ranks do the work of N. tell: called with lines of progress. OutputError where
+    the store cannot be written.
     """
     items = list(items)
     kept = store.read() if store else {}
@@ -111,7 +110,7 @@ def run_all(
                 finish(number, _attempt(work, items[number].values))
         else:
             waiting = {executor.submit(_remote, work, items[number].values): number for number in missing}
-            _share(waiting, lambda number: _attempt(work, items[number].values), finish, takes_part)
+            _share(waiting, lambda number: _attempt(work, items[number].values), finish)
     except KeyboardInterrupt:  # in a program that uses this: commands end by ``stopping``
         if tell and store:
             tell(f"stopped; {GO_ON}")
@@ -119,14 +118,14 @@ def run_all(
     return [rows[number] for number in range(len(items))]
 
 
-def _share(waiting: dict[Future, int], attempt: Callable[[int], Row], finish: Callable[[int, Row], None], takes_part):
+def _share(waiting: dict[Future, int], attempt: Callable[[int], Row], finish: Callable[[int, Row], None]):
     """Finish what comes back, until nothing is out; meanwhile this process works from the end of the list."""
     try:
         while waiting:
             for future in [future for future in waiting if future.done()]:
                 finish(waiting.pop(future), _result(future))
             # what can still be cancelled has not begun, and is this process's own from now on
-            mine = next((future for future in reversed(waiting) if future.cancel()), None) if takes_part else None
+            mine = next((future for future in reversed(waiting) if future.cancel()), None)
             if mine is not None:
                 number = waiting.pop(mine)
                 finish(number, attempt(number))
