@@ -38,12 +38,12 @@ def neglected(simulation: Simulation) -> list[str]:
 
 
 def expected_seconds(simulation: Simulation) -> float:
-    """What ``of_same_physics`` may take, from what the rough edges of the mesh took; 0 for a closed form."""
-    kind = simulation.scene.reference.kind
-    if kind == "none" or (simulation.effects.has_closed_form and kind != "half-plane"):
+    """What ``of_same_physics`` may take, from what the rough edges of the mesh took; 0 for a closed form or none."""
+    kind, effects = simulation.scene.reference.kind, simulation.effects
+    if kind in ("none", "closed form") or effects.without_reference or (effects.has_closed_form and kind == "auto"):
         return 0.0
     seconds = simulation.watch.seconds.get("edges", 0.0)
-    if grades(simulation.scene, simulation.effects):
+    if grades(simulation.scene, effects):
         return seconds  # the edges are the reference's; its error takes as long again
     shares = len(simulation.schedule) / (ROUGH_INCREMENTS if simulation.scene.is_loop else len(simulation.schedule))
     return ROUGH_TIMES * shares * steps_for_one(simulation) / FINER * seconds

@@ -37,19 +37,20 @@ def test_durations(seconds, words):
 def test_the_time_left_knows_that_the_reference_has_more_load_steps_on_short_paths():
     """From point to point it makes 8 where a run has one to four, and the rough edges as many as the run."""
 
-    def expected(increments):
+    def expected(increments, kind="auto", foreign=()):
         scene = SimpleNamespace(
-            reference=SimpleNamespace(kind="auto"),
+            reference=SimpleNamespace(kind=kind),
             is_loop=False,
             is_path=True,
             solver=SimpleNamespace(increments=increments),
         )
         watch = SimpleNamespace(seconds={"edges": 0.1 * increments})
-        effects = SimpleNamespace(has_closed_form=False)
+        effects = SimpleNamespace(has_closed_form=False, without_reference=foreign)
         schedule = [None] * 3 * increments
         return expected_seconds(SimpleNamespace(scene=scene, effects=effects, schedule=schedule, watch=watch))
 
     assert expected(1) == pytest.approx(expected(4)) == pytest.approx(expected(8) / 2)
+    assert expected(4, "closed form") == expected(4, foreign=["traction on the flank"]) == 0.0  # there is none to solve
 
 
 def test_quiet(tmp_path):
