@@ -33,10 +33,10 @@ class Branch:
     the energy needs.
     """
 
-    def __init__(self, problem, base, direction, span, guess, like=None):
-        self.problem, self.base, self.direction, self.span = problem, base, direction, span
-        self._limit = problem.mu * (1 if isinstance(base, NormalStage) else 2)
-        self._solver = EdgeSolver(problem, base, direction * problem.mu)
+    def __init__(self, base, direction, span, guess, like=None):
+        self.problem, self.base, self.direction, self.span = base.problem, base, direction, span
+        self._limit = base.problem.mu * (1 if isinstance(base, NormalStage) else 2)
+        self._solver = EdgeSolver(base, direction * base.problem.mu)
         self._guess = like.guessed if like else guess
         self.loads, self._known, self._failure = np.empty(0), [], ""
         for load in self._spread(FIRST_BORNE * span, span, SPARSE):
@@ -217,7 +217,7 @@ class Branch:
         for low, high in ((left, state.stick[0]), (state.stick[1], right)):
             if low < high:
                 x, _ = smooth_rule(low, high, [*before.breaks, *self.base.contact])
-                moved = state.displacements(self.problem, x)[0] - before.displacements(self.problem, x)[0]
+                moved = state.displacements(x)[0] - before.displacements(x)[0]
                 back = max(back, (moved * self.direction).max())
                 forth = max(forth, -(moved * self.direction).min())
         return back, forth
@@ -225,14 +225,14 @@ class Branch:
     def moved(self, state):
         """Beside the stick zone of a state, left and right: points x, their weights, and u_x - delta_x and
         u_y - delta_y there since the turn, (2, n)."""
-        base, problem = self.base, self.problem
+        base = self.base
         sides = (
             (min(base.contact[0], state.contact[0]), state.stick[0]),
             (state.stick[1], max(base.contact[1], state.contact[1])),
         )
         for low, high in sides:
             x, weight = smooth_rule(low, high, [*base.breaks, *base.contact, *state.contact])
-            yield x, weight, state.displacements(problem, x) - base.displacements(problem, x)
+            yield x, weight, state.displacements(x) - base.displacements(x)
 
     def _crossings(self):
         """Loads at which an edge of stick passes a place where it turned before."""

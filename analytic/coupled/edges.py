@@ -48,8 +48,8 @@ class EdgeSolver:
     of linear systems.
     """
 
-    def __init__(self, problem, base, friction):
-        self.problem, self.base, self.friction = problem, base, friction
+    def __init__(self, base, friction):
+        self.base, self.friction = base, friction
         self.solves = 0
 
     def state(self, Q, y, iterations=ITERATIONS):
@@ -66,7 +66,7 @@ class EdgeSolver:
         def solution(y):
             self.solves += 1
             edges = self._edges(y, load)
-            return solve(self.problem, self.base, self.friction, edges, self._layout(edges), Q)
+            return solve(self.base, self.friction, edges, self._layout(edges), Q)
 
         now, before, longest, cuts, margin, stalls = solution(y), np.inf, LONGEST_STEP, 0, LEAP_MARGIN, 0
         bracket, closed = Bracket(), 0

@@ -26,14 +26,15 @@ class Solution:
     rates: np.ndarray
 
 
-def solve(problem, base, friction, edges, layout, Q) -> Solution:
+def solve(base, friction, edges, layout, Q) -> Solution:
     """Tractions with u_y + f = delta_y in contact, u_x as at the turn in stick, q = friction p in slip, for given P, Q.
 
     The unknown is r = friction p - q, which vanishes in slip. In contact
     p = alpha r + beta w H[r/w] + (pressure of the profile in full slip), w the weight of ``Contact``: with the Hilbert
     transform H this meets the first condition for every r (docs/coupling_kernel.md). The second is collocated.
     """
-    k, d, f = problem.k, problem.d, friction
+    problem, f = base.problem, friction
+    k, d = problem.k, problem.d
     x_l, c_l, c_r, x_r = edges
     contact = Contact(problem, f, x_l, x_r)
     stick = StickBasis(c_l, c_r, layout, problem.exponents(f)[1:3], problem.order, k)
@@ -43,7 +44,7 @@ def solve(problem, base, friction, edges, layout, Q) -> Solution:
     of_even = -(problem.gk + chi * beta * problem.tau)
     of_odd = chi * alpha - f * d * problem.gk / problem.bk
     rule = ContactRule(contact, (c_l, c_r), k)
-    D, _, b = contact.profile()
+    D, b = contact.profile()
     odd_s = rule.odd(x, k)
 
     def of_limit(nodes, weights, contracted):
@@ -77,7 +78,7 @@ def solve(problem, base, friction, edges, layout, Q) -> Solution:
     A[n + 1, :n] = of_r
     A[n + 2, :n], A[n + 2, n + 1] = -beta / np.pi / contact.half * over_w, 1
     profile = rule.w * D(rule.t)
-    right[:n] = base.moved(problem, x) - chi * (odd_s @ profile)
+    right[:n] = base.moved(x) - chi * (odd_s @ profile)
     right[:n] += f * problem.gk / problem.bk * problem.height(x)
     right[n : n + 3] = 1 - rule.weights @ profile, f - Q, b
     known, of_known = None, 0.0
@@ -103,5 +104,5 @@ def solve(problem, base, friction, edges, layout, Q) -> Solution:
     exponents = [contact.left, stick.exponents[0] + 1, stick.exponents[1] + 1, contact.right]
     rates = scale * np.array([bounded[0], after_stick[0] / 2, after_stick[1] / 2, bounded[1]]) * exponents
     rates[[0, 3]] /= contact.half
-    state = SlipState(problem, base, f, Q, contact, stick, u[:n], (alpha, beta), D, known is not None)
+    state = SlipState(base, f, Q, contact, stick, u[:n], (alpha, beta), D, known is not None)
     return Solution(state, amplitudes, rates)

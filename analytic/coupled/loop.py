@@ -10,7 +10,7 @@ from ..material import GradedHalfPlane
 from . import guess
 from .branch import Branch
 from .problem import NormalStage
-from .state import CoupledState, Units
+from .state import CoupledState
 from .work import FrictionalWork
 
 ORDER = 10  # of the basis, which also says at how many loads a branch is solved for its energy
@@ -60,26 +60,24 @@ class CoupledLoop:
         for P, _ in loads[max(first - 1, 0) :]:
             if P != self.P:
                 raise ContactNotConverged(f"P = {P!r} while Q acts: P has to stay at {self.P!r} after the normal stage")
-        states = [self._pressed(P) for P, _ in loads[:first]]
+        pressed = (self._normal(P) for P, _ in loads[:first])
+        states = [CoupledState(normal, normal) for normal in pressed]
         alike = list(dict.fromkeys(state.branch for state in like if state.branch))
         return states + self._tangential([Q / self.P for _, Q in loads[first:]], alike)
 
-    def _pressed(self, P):
-        normal = NormalStage(self.solid, self.profile, P)
-        problem = normal.problem(self.profile, self.mu, self.coupling, self.order)
-        return CoupledState(Units.of(normal), problem, normal, normal)
+    def _normal(self, P):
+        return NormalStage(self.solid, self.profile, P, self.mu, self.coupling, self.order)
 
     def _tangential(self, loads, alike):
         """States at the loads Q/P; alike: branches of a loop at the same loads, or none."""
-        normal = NormalStage(self.solid, self.profile, self.P)
-        problem = normal.problem(self.profile, self.mu, self.coupling, self.order)
-        units, base, turn = Units.of(normal), normal, None
+        normal = self._normal(self.P)
+        base, turn = normal, None
         branches: list[Branch] = []
         states: list[CoupledState | ContactNotConverged] = []
         for number, (direction, Qs) in enumerate(branches_of(loads)):
             span = abs(Qs[-1] - base.Q)
             try:
-                branch = Branch(problem, base, direction, span, self._guess(branches), alike[number] if alike else None)
+                branch = Branch(base, direction, span, self._guess(branches), alike[number] if alike else None)
                 branch.solve_at(np.unique(np.abs(np.subtract(Qs, base.Q))))
             except ContactNotConverged as failure:
                 raise ContactNotConverged(f"P = {self.P:g}, Q up to {Qs[-1] * self.P:g}: {failure}") from None
@@ -87,7 +85,7 @@ class CoupledLoop:
             for Q in Qs:
                 try:
                     reached = branch.checked(Q)
-                    states.append(CoupledState(units, problem, normal, reached, branch, friction, turn))
+                    states.append(CoupledState(normal, reached, branch, friction, turn))
                 except ContactNotConverged as failure:
                     states.append(failure)
             if isinstance(turn := states[-1], ContactNotConverged):

@@ -52,7 +52,8 @@ class Problem:
 class NormalStage:
     """Frictionless contact under P alone, in the units of ``Problem``: the state from which Q starts.
 
-    contact: edges; breaks: where tractions are not smooth, nowhere; Q, delta_x, delta_y: load and displacements.
+    problem: the tangential problem that follows; contact: edges; breaks: where tractions are not smooth, nowhere; Q,
+    delta_x, delta_y: load and displacements.
 
     Raises ContactNotConverged for a profile that is no even power.
     """
@@ -61,26 +62,21 @@ class NormalStage:
     breaks = np.empty(0)
     Q = delta_x = 0.0
 
-    def __init__(self, solid, profile, P):
+    def __init__(self, solid, profile, P, mu, coupling, order):
         self.solid, self.P = solid, P
         if not _is_even(getattr(profile, "m", 1.0)):
             raise ContactNotConverged("the profile is no polynomial: its power has to be even")
         self._closed = normal_contact(solid, profile, P)
         self.a = self._closed.a
         self._cylinder = isinstance(self._closed, CylinderContact)
-
-    def problem(self, profile, mu, coupling, order):
-        """The tangential problem that follows."""
-        solid, a = self.solid, self.a
-        unit = self.P * (solid.y0 / a) ** solid.k / solid.E0
-        d = PowerLawKernel(solid).d if coupling else 0.0
+        a = self.a
+        unit = P * (solid.y0 / a) ** solid.k / solid.E0
         slope = profile.A * profile.m * a**profile.m / unit
-
-        return Problem(
+        self.problem = Problem(
             k=solid.k,
             bk=solid.bk,
             gk=solid.gk,
-            d=d,
+            d=PowerLawKernel(solid).d if coupling else 0.0,
             mu=mu,
             height=lambda x: profile.height(a * x) / unit,
             slope=lambda x: slope * x ** (profile.m - 1),
@@ -120,11 +116,11 @@ class NormalStage:
         panels = Panels.between(graded(*self.contact, LEVELS, LEVELS, RATIO))
         return panels, self.tractions(panels.nodes)[0]
 
-    def displacements(self, problem, x):
+    def displacements(self, x):
         """u_x and u_y - delta_y at x, shape (2, n)."""
         panels, p = self._sources
-        even, odd = panels.matrices(x, problem.k)
-        u_x, u_y = problem.displacements(even @ p, odd @ p, 0.0, 0.0)
+        even, odd = panels.matrices(x, self.problem.k)
+        u_x, u_y = self.problem.displacements(even @ p, odd @ p, 0.0, 0.0)
         return np.stack([u_x, u_y - self.delta_y])
 
     @cached_property
@@ -132,9 +128,9 @@ class NormalStage:
         panels = self._sources[0]
         return Interpolated(panels, (panels.matrices(panels.nodes, self.solid.k)[1] @ self._sources[1])[None])
 
-    def moved(self, problem, x):
+    def moved(self, x):
         """u_x at x in the contact, interpolated."""
-        return problem.d * self._moved(x)[0]
+        return self.problem.d * self._moved(x)[0]
 
     def unit_of_length_shift(self):
         """R(a/y0): the kernels of ``PowerLawKernel`` have y0 for the length that is a here."""

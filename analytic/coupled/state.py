@@ -45,9 +45,10 @@ class CoupledState:
     ``Branch`` of the state, None before Q acts; iterations: linear solves of that branch; is_certain: see ``Branch``.
     """
 
-    def __init__(self, units, problem, normal, state, branch=None, friction=None, turn=None):
+    def __init__(self, normal, state, branch=None, friction=None, turn=None):
         """friction: ``FrictionalWork`` of the branch; turn: the state in which it began, None for that without Q."""
-        self._units, self._problem, self._normal, self._state = units, problem, normal, state
+        units = Units.of(normal)
+        self._units, self._normal, self._state = units, normal, state
         self._friction, self._turn = friction, turn
         self.P, self.Q = units.load, units.load * state.Q
         self.contact = _times(units.length, state.contact)
@@ -95,7 +96,7 @@ class CoupledState:
         """u_x - delta_x at x since the end of the normal stage [length], also outside the contact; any shape."""
         x = np.asarray(x, dtype=float)
         scaled = x.ravel() / self._units.length
-        moved = self._state.displacements(self._problem, scaled) - self._normal.displacements(self._problem, scaled)
+        moved = self._state.displacements(scaled) - self._normal.displacements(scaled)
         return self._units.displacement * moved[0].reshape(x.shape)
 
 

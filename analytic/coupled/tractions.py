@@ -75,8 +75,8 @@ class SlipState:
     differs: the coefficients of polynomials are those of the difference to the base.
     """
 
-    def __init__(self, problem, base, friction, Q, area, zone, coefficients, factors, profile, differs):
-        self.problem, self.base, self.friction, self.Q = problem, base, friction, Q
+    def __init__(self, base, friction, Q, area, zone, coefficients, factors, profile, differs):
+        self.problem, self.base, self.friction, self.Q = base.problem, base, friction, Q
         self.area, self.zone, self.coefficients = area, zone, coefficients
         self.factors, self.profile, self._differs = factors, profile, differs
         self.contact = area.x_l, area.x_r
@@ -142,19 +142,19 @@ class SlipState:
         """delta_x and delta_y, from the displacement of a point in stick."""
         x = np.array([(self.stick[0] + self.stick[1]) / 2])
         u_x, u_y = self._integrals(x)[:, 0]
-        return u_x - self.base.displacements(self.problem, x)[0, 0], u_y + self.problem.height(x)[0]
+        return u_x - self.base.displacements(x)[0, 0], u_y + self.problem.height(x)[0]
 
     @cached_property
     def _moved(self):
         return Interpolated(self._panels, self._integrals(self._panels.nodes)[:1])
 
-    def moved(self, problem, x):
+    def moved(self, x):
         """u_x at x in the contact, interpolated."""
         return self._moved(x)[0]
 
     delta_x = property(lambda self: self._rigid[0])
     delta_y = property(lambda self: self._rigid[1])
 
-    def displacements(self, problem, x):
+    def displacements(self, x):
         """u_x - delta_x and u_y - delta_y at x, shape (2, n)."""
         return self._integrals(x) - np.array(self._rigid)[:, None]

@@ -43,7 +43,7 @@ class Contact:
         return whole, whole * (self.left - self.right) / (self.left + self.right)
 
     def profile(self):
-        """A p = constant - height for p = w/(1 - t²) ((1 - t²) D(t) + a + b t): D as a Chebyshev series, a and b."""
+        """A p = constant - height for p = w/(1 - t²) ((1 - t²) D(t) + a + b t): D as a Chebyshev series, and b."""
         degree = self.problem.degree
         a, b = self.right - 1, self.left - 1
         t, weight, basis, S = _expansion(a, b, degree)
@@ -52,8 +52,7 @@ class Contact:
         factors = [_factor(self.problem, self.friction, self.left, n) for n in orders] * (orders + a + b + 1) / 2
         g = (basis @ (weight * slope)) / (basis**2 @ weight) / factors
         quotient, rest = chebdiv(S.T @ g, [0.5, 0.0, -0.5])
-        rest = np.append(rest, [0.0, 0.0])
-        return Chebyshev(quotient), rest[0], rest[1]
+        return Chebyshev(quotient), np.append(rest, 0.0)[1]
 
     def panels(self, stick):
         """Panels that shrink towards both edges, faster from the middle of the zones beside ``stick`` on."""

@@ -141,10 +141,10 @@ def test_order_of_the_basis():
 def test_pressure_in_closed_form():
     """Where p follows from r alone, u_y + f is constant in contact and u_x in stick as the kernels have it."""
     state = loop(0.0, 0.3, 0.6, 0.6)[1]
-    inner, problem = state._state, state._problem
+    inner = state._state
     x = np.linspace(*inner.contact, 30)[1:-1]
-    u_x, u_y = inner.displacements(problem, x) - inner.base.displacements(problem, x) * [[1], [0]]
-    assert np.abs(u_y + problem.height(x)).max() < 1e-7
+    u_x, u_y = inner.displacements(x) - inner.base.displacements(x) * [[1], [0]]
+    assert np.abs(u_y + inner.problem.height(x)).max() < 1e-7
     stuck = (x > inner.stick[0]) & (x < inner.stick[1])
     assert np.abs(u_x[stuck]).max() < 1e-7
 
@@ -152,11 +152,11 @@ def test_pressure_in_closed_form():
 def test_conditions_just_after_a_turn():
     """A narrow zone of slip beside the old edge of contact: contact as the kernels have it, and both loads."""
     state = CoupledLoop(solid_of(-0.3, 0.2), PROFILE, P, MU, order=8).run(loads(0.6 * MU * P, 1, 0.92, -1))[2]
-    inner, problem = state._state, state._problem
+    inner = state._state
     assert 0 < inner.stick[0] - inner.base.contact[0] < 0.02
     x = np.linspace(*inner.stick, 30)[1:-1]
-    u_x, u_y = inner.displacements(problem, x) - inner.base.displacements(problem, x) * [[1], [0]]
-    assert np.abs(u_y + problem.height(x)).max() < 1e-7 and np.abs(u_x).max() < 1e-7
+    u_x, u_y = inner.displacements(x) - inner.base.displacements(x) * [[1], [0]]
+    assert np.abs(u_y + inner.problem.height(x)).max() < 1e-7 and np.abs(u_x).max() < 1e-7
     assert [state.weight @ state.pressure, state.weight @ state.traction] == pytest.approx([P, state.Q], rel=1e-6)
 
 
@@ -168,7 +168,7 @@ def test_rates_of_the_amplitudes():
 
     def solution(moved):
         panels = layout(*moved[1:3], [*moved, *inner.base.contact, *inner.base.breaks])
-        return solve(inner.problem, inner.base, inner.friction, moved, panels, inner.Q)
+        return solve(inner.base, inner.friction, moved, panels, inner.Q)
 
     outwards = np.array([-1, -1, 1, 1])
     steps = 1e-4 * widths * outwards
@@ -183,7 +183,7 @@ def test_rates_of_the_amplitudes():
 @pytest.mark.parametrize(("k", "nu"), [(0.0, 0.3), (0.3, 0.2), (0.7, 0.0)])
 def test_compliance_of_full_stick(k, nu):
     """The tractions that it names move the contact as a rigid body without tilt, under Q = 1; without coupling (13)."""
-    problem, half = NormalStage(solid_of(k, nu), PROFILE, P).problem(PROFILE, MU, True, 8), 1.3
+    problem, half = NormalStage(solid_of(k, nu), PROFILE, P, MU, True, 8).problem, 1.3
     panels = Panels.between(graded(-1.0, 1.0, 14, 14))
     D = problem.d / np.sqrt(problem.bk * problem.gk)
     turning = np.arctanh(problem.tau * D) / np.pi * np.log((1 + panels.nodes) / (1 - panels.nodes))
