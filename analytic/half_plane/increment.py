@@ -15,14 +15,11 @@ ROUNDING = 1e-12, 1e-9  # of the largest pressure or displacement: violations be
 
 @dataclass(frozen=True)
 class Increment:
-    """Data of an increment: the indenter's height at the nodes, u_x - delta_x at rest, mu, and the loads."""
+    """An increment with its data and the coefficient of friction."""
 
     operator: SurfaceOperator
-    height: np.ndarray
-    rest: np.ndarray
     mu: float
-    P: float
-    Q: float
+    data: Data
 
     def solve(self, sets: ContactSets) -> IncrementSolution:
         """Solution reached from the initial ``sets``.
@@ -31,11 +28,10 @@ class Increment:
         node that violates its conditions (a semismooth Newton step). Should the sets cycle, a path of
         solutions is followed from the sets reached, which needs no luck. Raises ContactNotConverged.
         """
-        seen, data = set(), Data(self.height, self.rest, self.P, self.Q)
-        problems = LinearProblems(self.operator, self.mu)
+        seen, problems = set(), LinearProblems(self.operator, self.mu)
         try:
             for iteration in range(1, MAX_ITERATIONS + 1):
-                (solution,) = problems.solve(sets, data, iterations=iteration)
+                (solution,) = problems.solve(sets, self.data, iterations=iteration)
                 new = self._updated(solution, ROUNDING[0])
                 changed = self._changed(solution, new, ROUNDING[0])
                 if not changed.any():
@@ -47,7 +43,7 @@ class Increment:
                     break
                 seen.add(key)
                 sets = new
-            solution = self._followed(problems, data, solution)
+            solution = self._followed(problems, solution)
             changed = self._changed(solution, self._updated(solution, ROUNDING[1]), ROUNDING[1])
             if changed.any():
                 x = self.operator.nodes[changed]
@@ -57,14 +53,14 @@ class Increment:
                 )
             return solution
         except ContactNotConverged as failure:
-            raise ContactNotConverged(f"P = {self.P:g}, Q = {self.Q:g}: {failure}") from None
+            raise ContactNotConverged(f"P = {self.data.P:g}, Q = {self.data.Q:g}: {failure}") from None
 
-    def _followed(self, problems, data, guess):
+    def _followed(self, problems, guess):
         """Solution at the end of a path: from the ``guess``, or from a state where all sticks if that path fails."""
         try:
-            return followed(problems, data, near(self.operator, self.mu, data, guess))
+            return followed(problems, self.data, near(self.operator, self.mu, self.data, guess))
         except ContactNotConverged:
-            return followed(problems, data, sticking(self.operator, data, guess))
+            return followed(problems, self.data, sticking(self.operator, self.data, guess))
 
     def _changed(self, s, new, rounding):
         """Nodes whose status is to change; also the last that sticks, which stays so, beyond the limit of friction."""
@@ -74,14 +70,14 @@ class Increment:
     def _updated(self, s, rounding):
         """Sets after Signorini's and Coulomb's conditions at every node."""
         p_rounding = rounding * s.pressure.max()
-        u_rounding = rounding * np.ptp(self.height)
+        u_rounding = rounding * np.ptp(self.data.height)
         closed = np.where(s.sets.closed, s.pressure > -p_rounding, s.gap < -u_rounding)
         if not self.mu:
             return ContactSets(closed, s.sets.slipping)
         was_slipping = s.sets.slipping
         limit = self.mu * np.maximum(s.pressure, 0.0) + p_rounding
         begins = np.where(np.abs(s.traction) > limit, np.sign(s.traction), 0.0)
-        backwards = was_slipping * (s.position - self.rest) > u_rounding
+        backwards = was_slipping * (s.position - self.data.rest) > u_rounding
         beside_stick = s.stuck.copy()
         for _ in range(RETURN):
             beside_stick[1:] |= beside_stick[:-1].copy()
@@ -89,9 +85,9 @@ class Increment:
         if (backwards & beside_stick).any():
             backwards &= beside_stick
         slipping = np.where(was_slipping == 0, begins, np.where(backwards, 0.0, was_slipping))
-        free_motion = np.sign(s.position - self.rest)  # of a point that comes into contact
+        free_motion = np.sign(s.position - self.data.rest)  # of a point that comes into contact
         slipping = np.where(s.sets.closed, slipping, -free_motion)
         slipping = np.where(closed, slipping, 0.0)
         if closed.any() and slipping[closed].all():  # |Q| < mu P: somewhere slip changes its sign
-            slipping[np.where(closed, np.abs(s.position - self.rest), np.inf).argmin()] = 0.0
+            slipping[np.where(closed, np.abs(s.position - self.data.rest), np.inf).argmin()] = 0.0
         return ContactSets(closed, slipping)

@@ -17,7 +17,7 @@ from ..material import GradedHalfPlane
 from .increment import Increment
 from .interpolation import integral, interpolated
 from .layout import Layout, first_distance
-from .linear import ContactNotConverged, ContactSets
+from .linear import ContactNotConverged, ContactSets, Data
 from .operator import element_moments, nodal_moments
 from .state import ContactState, Memory, StoredField
 from .surface_kernel import PowerLawKernel, SurfaceKernel
@@ -148,7 +148,7 @@ class HalfPlaneContact:
                 )
             if self.elastic:
                 operator = replace(operator, tangential=operator.tangential + self.elastic * np.eye(len(x)))
-            increment = Increment(operator, height, memory.position(x) - strain * x, mu, P, Q)
+            increment = Increment(operator, mu, Data(height, memory.position(x) - strain * x, P, Q))
             previous = increment.solve(_initial_sets(x, layout, previous))
             if not previous.sets.closed[[0, -1]].any():
                 return operator, previous
