@@ -182,8 +182,7 @@ class ElasticBody:
         rule = {"quadrature_degree": 2 * self.degree - 1} | SURFACE_RULE
         measure = ufl.Measure("ds", mesh, subdomain_data=tags, metadata=rule)(SURFACE)
         mesh.topology.create_connectivity(1, 2)
-        to_cell = mesh.topology.connectivity(1, 2)
-        return strip, np.unique([to_cell.links(facet)[0] for facet in strip]).astype(np.int32), measure
+        return strip, dolfinx.mesh.compute_incident_entities(mesh.topology, strip, 1, 2), measure
 
     def _translation(self, direction):
         field = fem.Function(self.space)
