@@ -109,13 +109,13 @@ class PunchFields:
         inside = np.minimum(x, 1.0).ravel()
         y = np.maximum(inside - c, 0.0)
         j = np.clip(np.searchsorted(lo, y, side="right") - 1, 0, len(lo) - 1)
-        series = legfit(t, slope.T, NODES - 1)[:, j]
+        series = legfit(t, slope.T, NODES - 1)[:, j, None]
         share = ((y - lo[j]) / (hi - lo)[j])[:, None]
         width = (hi - lo)[j]
         below, above = share * (1 + t) / 2, share + (1 - share) * (1 + t) / 2
-        inner = width * share[:, 0] / 2 * (_series(series, below) @ weight)
-        outer = _series(series, above) * np.expm1(-m * np.log(c + (lo[j][:, None] + width[:, None] * above)))
-        outer = width * (1 - share[:, 0]) / 2 * (outer @ weight)
+        inner = width * share[:, 0] / 2 * (legval(2 * below - 1, series, tensor=False) @ weight)
+        outer = np.expm1(-m * np.log(c + (lo[j][:, None] + width[:, None] * above)))
+        outer = width * (1 - share[:, 0]) / 2 * ((legval(2 * above - 1, series, tensor=False) * outer) @ weight)
         stuck = np.maximum(inside, c)
         result = (plain[j] + inner) * -np.expm1(m * np.log(stuck)) + stuck**m * (falling[j + 1] + outer)
         return ((inside / stuck) ** m * np.where(inside < 1, result, 0.0)).reshape(x.shape)[()]
@@ -129,11 +129,6 @@ class PunchFields:
             return ((whole - weighted) / power).reshape(x.shape)
 
         return float(np.sum(self._over_slip(load_beyond)))
-
-
-def _series(coefficients, share):
-    """Legendre series, one per row of ``share``, at shares of their panels."""
-    return np.stack([legval(2 * s - 1, c) for s, c in zip(share, coefficients.T, strict=True)])
 
 
 @lru_cache(maxsize=64)
