@@ -16,6 +16,7 @@ import numpy as np
 
 from forms.contact import BACKWARD, CLOSED, DRIVEN_BACKWARD, DRIVEN_FORWARD, FORWARD, LIFTED, OPEN, PINNED
 
+from ..fem.body_sample import lagrange
 from ..fem.contact_problem import ContactProblem, Y
 from ..fem.load import Load
 from ..fem.surface_points import SIDES, AllPoints
@@ -46,8 +47,8 @@ class EdgeJumps:
         if load is not None and len(self._accepted) >= 2:
             loads, edges = (np.array(values) for values in zip(*self._accepted))
             done = loads[-1] - loads[-2]
-            *known, wanted = (np.array([*loads, load]) - loads[-1]) @ done
-            self._expected = sum(edge * _lagrange(known, i, wanted) for i, edge in enumerate(edges))
+            way = (np.array([*loads, load]) - loads[-1]) @ done
+            self._expected = sum(edge * share for edge, share in zip(edges, lagrange(way[:-1], way[-1:])[0]))
 
     def accept(self, load, states: np.ndarray, turned: bool):
         """Keep the edges of what was solved: a load step has ended with the states (m,) of this rank's points.
@@ -132,11 +133,6 @@ class EdgeJumps:
             return None
         ends = np.array([contact[0], stick.start, stick.stop, contact[-1] + 1])
         return (self._x[ends - 1] + self._x[ends]) / 2
-
-
-def _lagrange(known, i, wanted):
-    """Value at ``wanted`` of the polynomial that is 1 at ``known[i]`` and 0 at the others."""
-    return np.prod([(wanted - other) / (known[i] - other) for j, other in enumerate(known) if j != i])
 
 
 def _stick(states: np.ndarray) -> slice | None:
