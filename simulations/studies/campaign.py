@@ -199,10 +199,11 @@ def main(arguments: list[str]):
     with workers(comm) as executor:
         if comm.rank == 0:
             store = Store(given.output / "scenes.jsonl")
+            items = [Item(name, values) for name, values in scenes.items()]
             if given.stored:
                 kept = store.read()
-                scenes = {name: values for name, values in scenes.items() if store.key(name, values) in kept}
-            items = [Item(name, values) for name, values in scenes.items()]
+                items = [item for item in items if item.key in kept]
+                scenes = {item.name: item.values for item in items}
             found = run_all(items, solve, store, executor, say)
     if comm.rank == 0:
         write_table(given.output / "campaign.csv", flat(scenes, found))

@@ -51,7 +51,7 @@ def main(arguments: list[str]):
     adopt(path, store)
     run_all([item_of(case) for case in given.cases], measured_apart, store, tell=say)
     kept = store.read()
-    everything = [(case, kept.get(Store.key(case.name, asdict(case)))) for case in cases()]
+    everything = [(case, kept.get(item_of(case).key)) for case in cases()]
     write_rows(path, [named(case) | row for case, row in everything if row is not None])
     rows = read_rows(path)
     if given.calibrate:
@@ -101,7 +101,8 @@ def adopt(path: Path, store: Store):
         case = known.get(name_of(row))
         if case is not None:
             measured = {name: value for name, value in row.items() if value != "" and name not in named(case)}
-            store.keep(Store.key(case.name, asdict(case)), asdict(case), measured | {ADOPTED: True})
+            item = item_of(case)
+            store.keep(item.key, item.values, measured | {ADOPTED: True})
 
 
 def name_of(row: Row) -> str:

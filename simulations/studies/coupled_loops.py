@@ -122,7 +122,7 @@ def main(arguments: list[str]):
             items = [Item(", ".join(f"{name} = {value}" for name, value in one.items()), one) for one in values]
             if given.stored:
                 kept = store.read()
-                items = [item for item in items if store.key(item.name, item.values) in kept]
+                items = [item for item in items if item.key in kept]
             rows = run_all(items, solve, store, executor, say)
     if comm.rank == 0:
         values = [item.values for item in items]

@@ -8,6 +8,8 @@
 """
 
 import gc
+import hashlib
+import json
 import time
 import traceback
 from collections.abc import Callable, Iterable, Iterator
@@ -47,9 +49,12 @@ class Item:
 
     @property
     def key(self) -> str:
-        """Of its row in a store. Of the folder only the name counts: where it lies changes no run, and may change."""
+        """Of its row in a store: the name with a hash of the values, as another value is another run. Of the folder
+        only the name counts: where it lies changes no run, and may change.
+        """
         folder = {"folder": Path(self.values["folder"]).name} if "folder" in self.values else {}
-        return Store.key(self.name, self.values | folder)
+        text = json.dumps(self.values | folder, sort_keys=True)
+        return f"{self.name} #{hashlib.sha256(text.encode()).hexdigest()[:16]}"
 
 
 @contextmanager

@@ -1,6 +1,5 @@
 """Finished runs on disk, one line of JSON each: what a stopped study leaves behind is what the next one begins with."""
 
-import hashlib
 import json
 import os
 from pathlib import Path
@@ -15,12 +14,6 @@ class Store:
 
     def __init__(self, path: Path):
         self.path = path
-
-    @staticmethod
-    def key(name: str, values: dict[str, Any]) -> str:
-        """The name with a hash of the values: another value is another run."""
-        text = json.dumps(values, sort_keys=True)
-        return f"{name} #{hashlib.sha256(text.encode()).hexdigest()[:16]}"
 
     def is_own(self) -> bool:
         """Whether ``keep`` wrote a line of it, or the beginning of one; also where there is no file.
