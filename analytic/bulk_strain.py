@@ -12,7 +12,7 @@ import numpy as np
 
 from .checks import require
 from .cylinder import CylinderContact
-from .fretting import BEYOND_END, FrettingLoop
+from .fretting import BEYOND_END, FrettingLoop, since_turn
 from .partial_slip import PartialSlip
 from .point_force import point_force_stress
 from .quadrature import nodes_for, plain_rule
@@ -192,11 +192,11 @@ class StretchedLoop:
 
     def traction(self, x, Q, branch):
         """Tangential traction [stress] at the load Q on a branch, [X7]."""
-        return self._since_turn(Q, branch, lambda state: state.traction(x))
+        return since_turn(lambda state: state.traction(x), self._step(Q, branch), self.amplitude, branch)
 
     def slip(self, x, Q, branch):
         """Slip from the unloaded state [length] at the load Q on a branch, [X7]."""
-        return self._since_turn(Q, branch, lambda state: state.slip(x))
+        return since_turn(lambda state: state.slip(x), self._step(Q, branch), self.amplitude, branch)
 
     def energy_density(self, x):
         """Energy lost per cycle and area, 4 mu p(x, a) h_x(x - e, c) [stress x length], [X7]."""
@@ -219,14 +219,6 @@ class StretchedLoop:
     def _require_cycle(self):
         if self.strain and not self.in_phase:
             raise ValueError("a strain that stays constant has no closed form over a whole cycle")
-
-    def _since_turn(self, Q, branch, field):
-        """Field at Q: that of the last turn of the load plus twice that of half the step since."""
-        step = self._step(Q, branch)
-        if branch == "initial":
-            return field(step)
-        turn = 1 if branch == "unloading" else -1
-        return turn * field(self.amplitude) + 2 * field(step)
 
     def _step(self, Q, branch):
         state = self.loop.step(Q, branch)

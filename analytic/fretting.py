@@ -10,6 +10,14 @@ from .special import log_remainder
 BEYOND_END = 1e-14  # a load beyond the end of a branch by this share of Q_A is taken as the end
 
 
+def since_turn(field, step, amplitude, branch):
+    """Field on a branch: that of the last turn of the load plus twice that of half the step since, [X5]."""
+    if branch == "initial":
+        return field(step)
+    turn = 1 if branch == "unloading" else -1
+    return turn * field(amplitude) + 2 * field(step)
+
+
 @dataclass(frozen=True)
 class FrettingLoop:
     """Initial loading 0 -> Q_A, unloading Q_A -> -Q_A, reloading -Q_A -> Q_A at constant P.
@@ -84,12 +92,7 @@ class FrettingLoop:
         return self._state(Q, branch, lambda state: state.rigid_shift)
 
     def _state(self, Q, branch, field):
-        """Field at Q: that of the last turn of the load plus twice that of half the step since."""
-        step = self.step(Q, branch)
-        if branch == "initial":
-            return field(step)
-        turn = 1 if branch == "unloading" else -1
-        return turn * field(self.amplitude) + 2 * field(step)
+        return since_turn(field, self.step(Q, branch), self.amplitude, branch)
 
     def step(self, Q, branch):
         """Partial slip under Q on the initial branch, else under half the step since the turn."""
