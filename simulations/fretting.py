@@ -13,7 +13,7 @@ from .output.files import OutputError
 from .output.folder import begin, claimed, files, go_on, refuse_changed
 from .output.results import Results
 from .runs.checks import ChecksFailed
-from .runs.estimate import expectation, judged, measured
+from .runs.estimate import expectation
 from .runs.explain import explain
 from .runs.reference import expected_seconds
 from .runs.simulation import Simulation
@@ -85,8 +85,7 @@ def go(simulation: Simulation, folder, progress: Progress, again: str):
             results.record(entry)
             progress.step(entry)
     stopping.tell(f"the run is done: {folder}")
-    if simulation.scene.solver.accuracy is not None:
-        judge(simulation, results, progress)
+    results.judge_accuracy(progress.say)
     if comm.rank == 0:
         progress.say(f"\n{results.table()}")
         seconds = "  ".join(f"{phase} {value:.1f} s" for phase, value in results.summary["seconds"].items())
@@ -94,13 +93,6 @@ def go(simulation: Simulation, folder, progress: Progress, again: str):
         progress.say(f"written to {folder}: {', '.join(files(folder))}")
     if results.failing:
         raise ChecksFailed(results.failing)
-
-
-def judge(simulation: Simulation, results: Results, progress: Progress):
-    """Hold the run's errors, measured or else estimated, against the accuracy asked for; keep that as a check."""
-    wanted = simulation.scene.solver.accuracy or 0.0
-    errors = comm.bcast(measured(results.findings.exact, wanted) if results.findings else None)
-    results.judge_accuracy(*judged(simulation, errors, progress.say))
 
 
 if __name__ == "__main__":

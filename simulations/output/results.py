@@ -7,7 +7,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from ..runs import report_data
-from ..runs.checks import Check
+from ..runs.estimate import judged, measured
 from ..runs.history import Entry
 from ..runs.reference import Tell
 from ..runs.simulation import Simulation
@@ -121,8 +121,15 @@ class Results:
             self._write_summary()
             checkpoint.remove(self.folder)
 
-    def judge_accuracy(self, check: Check, accuracy: dict):
-        """One more check of a run that has ended, and what it was made from, on rank 0; collective."""
+    def judge_accuracy(self, tell: Callable[[str], None] = lambda words: None):
+        """One more check of a run that has ended where ``solver.accuracy`` is given: its errors, measured or else
+        estimated, against that. Collective. tell: called with words.
+        """
+        wanted = self.simulation.scene.solver.accuracy
+        if wanted is None:
+            return
+        errors = self.comm.bcast(measured(self.findings.exact, wanted) if self.findings else None)
+        check, accuracy = judged(self.simulation, errors, tell)
 
         def write():
             if self.findings:

@@ -144,8 +144,7 @@ def run_scene(values: Row) -> Row:
                     results.record(entry)
             findings = results.findings  # its reference may take long to solve
             assert findings is not None  # of a run that reached its end
-            if scene.solver.accuracy is not None:
-                results.judge_accuracy(*judged(simulation, measured(findings.exact, scene.solver.accuracy)))
+            results.judge_accuracy()
     else:
         findings = find(simulation.run_to_end())
         if scene.solver.accuracy is not None:
