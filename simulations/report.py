@@ -6,7 +6,8 @@ import html
 import json
 from pathlib import Path
 
-from .command.command import Parser, on_root, run, say
+from .command.arguments import Parser
+from .command.command import on_root, run, say
 from .output import page_figures as figures
 from .output.body_states import read_states
 from .output.files import write_text

@@ -10,7 +10,8 @@ from argparse import Namespace
 from pathlib import Path
 from types import ModuleType
 
-from .command.command import NO_SOLUTION, Parser, comm, on_root, run, say
+from .command.arguments import Parser
+from .command.command import NO_SOLUTION, comm, on_root, run, say
 from .runs.checks import ChecksFailed
 from .scene import DEFAULT_SCENE, SceneError, shown
 from .scene.text import read_keys, read_text

@@ -7,6 +7,7 @@ ranks, so that none waits for another.
 
 import ctypes
 import os
+import signal
 import socket
 import sys
 import time
@@ -21,13 +22,9 @@ from petsc4py import PETSc
 from ..fem import parallel
 from ..loading.stepping import SolveError
 from ..output.files import OutputError
-from ..output.folder import writable
 from ..runs.checks import ChecksFailed
 from ..scene import SceneError
-from .arguments import Parser
-from .stopping import signal, stopping
-
-__all__ = ["Parser", "comm", "on_root", "run", "say", "writable"]
+from .stopping import stopping
 
 T = TypeVar("T")
 comm = MPI.COMM_WORLD

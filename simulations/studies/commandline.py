@@ -3,7 +3,8 @@
 from argparse import Namespace
 from pathlib import Path
 
-from ..command.command import Parser, writable
+from ..command.arguments import Parser
+from ..output.folder import writable
 from ..scene import SceneError
 
 
