@@ -33,7 +33,7 @@ class BodyState:
 def read_states(folder: Path) -> list[BodyState]:
     """The states in ``folder``, with their names; SceneError where it holds no run or none of its von Mises stress."""
     files = _files(folder)
-    with h5py.File(folder / FOLDER / f"{MESH}.h5") as mesh:
+    with h5py.File(folder / FOLDER / MESH) as mesh:
         x, y = ((mesh[name][1:] + mesh[name][:-1]) / 2 for name in ("x", "depth"))
     states = []
     for path in files.values():
@@ -58,7 +58,7 @@ def body_functions(
     SceneError where the folder has no such state.
     """
     path = _file_of(Path(folder), state)
-    with h5py.File(path.with_name(f"{MESH}.h5")) as file, h5py.File(path) as values:
+    with h5py.File(path.with_name(MESH)) as file, h5py.File(path) as values:
         degree = int(file.attrs["degree"])
         mesh = _mesh(comm, file)
         cell = mesh.basix_cell()
@@ -94,7 +94,7 @@ def _mesh(comm, file):
 def _files(folder: Path) -> dict[int, Path]:
     """The files of the states by load step."""
     found = {int(p.stem): p for p in (folder / FOLDER).glob("*.h5") if re.fullmatch(r"\d{6,}", p.stem)}
-    if not found or not (folder / FOLDER / f"{MESH}.h5").is_file():
+    if not found or not (folder / FOLDER / MESH).is_file():
         raise SceneError(f"{folder} holds no results of a run: {FOLDER}/ with states is needed")
     return dict(sorted(found.items()))
 

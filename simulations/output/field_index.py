@@ -7,7 +7,7 @@ import numpy as np
 
 from .files import hdf5, write_text
 
-XDMF, VTKHDF, FOLDER, MESH = "fields.xdmf", "fields.vtkhdf", "fields", "mesh"
+XDMF, VTKHDF, FOLDER, MESH = "fields.xdmf", "fields.vtkhdf", "fields", "mesh.h5"
 QUADS = ("Quadrilateral", "corners", 4)
 XDMF_CELLS = {1: QUADS, 2: ("Quadrilateral_9", "cells", 9), 3: QUADS}  # XDMF has no cell of degree 3
 VTK_CELLS = {1: 9, 2: 28, 3: 70}  # VTK_QUAD, VTK_BIQUADRATIC_QUAD, VTK_LAGRANGE_QUADRILATERAL
@@ -44,8 +44,8 @@ class FieldIndex:
         kind, data, nodes = XDMF_CELLS[self.degree]
         mesh = (
             f'<Topology TopologyType="{kind}" NumberOfElements="{self.cells}">'
-            f"{_item('mesh.h5', data, (self.cells, nodes), 'Int')}</Topology>"
-            f'<Geometry GeometryType="XYZ">{_item("mesh.h5", "points", (self.points, 3))}</Geometry>'
+            f"{_item(MESH, data, (self.cells, nodes), 'Int')}</Topology>"
+            f'<Geometry GeometryType="XYZ">{_item(MESH, "points", (self.points, 3))}</Geometry>'
         )
         grids = []
         for number, time in zip(numbers, times, strict=True):
@@ -68,8 +68,8 @@ class FieldIndex:
             group.attrs["Type"] = np.bytes_("UnstructuredGrid")
             group["NumberOfPoints"], group["NumberOfCells"] = [self.points], [self.cells]
             group["NumberOfConnectivityIds"] = [nodes * self.cells]
-            group["Points"] = h5py.ExternalLink(f"{FOLDER}/mesh.h5", "/points")
-            group["Connectivity"] = h5py.ExternalLink(f"{FOLDER}/mesh.h5", "/connectivity")
+            group["Points"] = h5py.ExternalLink(f"{FOLDER}/{MESH}", "/points")
+            group["Connectivity"] = h5py.ExternalLink(f"{FOLDER}/{MESH}", "/connectivity")
             group["Offsets"] = np.arange(0, nodes * self.cells + 1, nodes)
             group["Types"] = np.full(self.cells, VTK_CELLS[self.degree], np.uint8)
             steps = group.create_group("Steps")

@@ -29,7 +29,7 @@ def kept(schedule: list[LoadStep], output: Output) -> dict[int, str]:
 def first_lost(folder: Path, schedule: list[LoadStep], output: Output, done: int) -> str | None:
     """The first file that is missing of the fields of the first ``done`` load steps."""
     files = [file_name(number) for number in kept(schedule, output) if number < done]
-    names = [f"{FOLDER}/{name}" for name in ([f"{MESH}.h5", *files] if files else [])]
+    names = [f"{FOLDER}/{name}" for name in ([MESH, *files] if files else [])]
     return next((name for name in names if not (folder / name).is_file()), None)
 
 
@@ -63,7 +63,7 @@ class FieldWriter:
         if sample is None:
             return
         (self.folder / FOLDER).mkdir(exist_ok=True)
-        mesh = self.folder / FOLDER / f"{MESH}.h5"
+        mesh = self.folder / FOLDER / MESH
         nodes = _nodes(sample)
         if not mesh.exists():
             self._write_mesh(mesh, sample, *nodes)
