@@ -10,7 +10,7 @@ from ..runs.history import Entry, History
 from ..runs.simulation import Simulation
 from ..runs.springs import Springs
 from .page_words import quantity
-from .style import COLOURS, GREY, MARKERS, in_words, left_out, save, spread, style
+from .style import COLOURS, GREY, MARKERS, evenly, in_words, left_out, save, spread, style
 
 STYLES = ("-", "--")
 DOTS = 45  # computed points shown a curve
@@ -83,7 +83,7 @@ def _curves(axis, entry, widest, values, lines, colour, marker="o"):
     for line, dashes in zip(lines, STYLES):
         if line:
             axis.plot(x, line(x), dashes, color=colour, lw=1)
-    shown = _thinned(surface.x / widest)
+    shown = evenly(surface.x / widest, 1.1, DOTS)
     axis.plot(surface.x[shown], values[shown], marker, ms=3, color=colour)
     if lines and lines[0]:
         inside = np.abs(surface.x) < REACH * widest
@@ -201,9 +201,3 @@ def _legend(figure, simulation, lines):
         note = ";  ".join(filter(None, (note, symbols, shown)))
     columns = 5 if history.friction else 2
     figure.legend(handles=handles, loc="lower center", ncols=columns, title=note, title_fontsize=9, fontsize=9)
-
-
-def _thinned(x):
-    """Indices of about DOTS nodes, evenly spread over |x| < 1.1 whatever the grading."""
-    wanted = np.linspace(-1.1, 1.1, DOTS)
-    return np.unique(np.clip(np.searchsorted(x, wanted), 0, len(x) - 1))

@@ -67,6 +67,11 @@ def spread(states: list, most: int = len(COLOURS)) -> list:
     return [states[i] for i in places]
 
 
+def evenly(x: np.ndarray, reach: float, count: int) -> np.ndarray:
+    """Indices of about ``count`` points among x (n,), evenly spread over |x| < reach whatever the grading."""
+    return np.unique(np.clip(np.searchsorted(x, np.linspace(-reach, reach, count)), 0, len(x) - 1))
+
+
 def left_out(shown: int, states: int) -> str:
     """How many of the states are shown, in words; "" where all are."""
     return f"{shown} of {states} states shown" if shown < states else ""

@@ -7,6 +7,7 @@ import numpy as np
 from analytic import CylinderContact
 
 from ...fem.mesh import Grading
+from ...output.style import evenly
 from ...runs.comparison import relative_l2
 from ...runs.simulation import Simulation
 from ...scene import Scene, make_scene
@@ -33,8 +34,7 @@ class Field:
 
     def drawn(self, farthest: int) -> np.ndarray:
         """Indices of about DRAWN nodes evenly spread over |x| < REACH a, and of the node ``farthest``."""
-        wanted = np.linspace(-REACH, REACH, DRAWN)
-        return np.unique([*np.clip(np.searchsorted(self.x, wanted), 0, len(self.x) - 1), farthest])
+        return np.unique([*evenly(self.x, REACH, DRAWN), farthest])
 
 
 @dataclass(frozen=True)
@@ -86,8 +86,7 @@ class Runs:
         key = ("monotone", k, nu, shares, coupling)
         if key not in self._kept:
             scene = self._scene(k, nu, shares[-1], coupling, cycles=0, increments=len(shares))
-            simulation = Simulation(self.comm, scene, self._cells(scene, shares))
-            simulation.run_to_end()
+            simulation = Simulation(self.comm, scene, self._cells(scene, shares)).run_to_end()
             loaded = [e for e in simulation.history.entries if e.step.branch == "initial"]
             fields = [_field(entry, simulation) for entry in loaded]
             self._kept[key] = dict(zip(shares, fields, strict=True))
@@ -97,14 +96,13 @@ class Runs:
         """A full cycle after the first loading."""
         key = ("loop", k, nu, amplitude, coupling)
         if key not in self._kept:
-            simulation = Simulation(self.comm, self._scene(k, nu, amplitude, coupling, cycles=1, increments=6))
-            simulation.run_to_end()
+            scene = self._scene(k, nu, amplitude, coupling, cycles=1, increments=6)
+            simulation = Simulation(self.comm, scene).run_to_end()
             states = {}
             for entry in simulation.history.entries:  # A is the end of the first loading, not of the cycle
                 if entry.step.state and entry.step.state not in states:
                     states[entry.step.state] = _field(entry, simulation)
-            contact = simulation.contact
-            energy = simulation.history.dissipated_energy / own_units(contact, MU).energy
+            energy = simulation.history.dissipated_energy / own_units(simulation.contact, MU).energy
             self._kept[key] = Loop(states, energy)
         return self._kept[key]
 
