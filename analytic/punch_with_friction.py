@@ -35,7 +35,8 @@ class Medium:
     mu: float
 
     def edge_power(self, sign):
-        """Power of the distance from an edge in a singular solution, in (-1, 0).
+        """Power of the distance from an edge in a singular solution, in (-1, 0); in (0, 1) for sign -1, k < 0 and
+        friction so strong that mu |d k| > (bk): there it is not singular.
 
         Kernel (bk)|z|^-k/k - e sgn(z)|z|^-k on a half-line, e = mu d: sign 1, the pressure at the edge of the contact,
         where q = mu p; sign -1: mu p - q at the edge of stick. Without coupling it is (k-1)/2.

@@ -69,7 +69,7 @@ def _widest(history):
 
 
 def _slip_unit(simulation):
-    """mu alpha f(a), dimensionless: the slip (36) of a contact that slides all over, and its name."""
+    """mu alpha f(a), dimensionless: the slip (36) of a contact that slides all over."""
     scaled = simulation.scaled
     return simulation.mu * scaled.solid.alpha * float(scaled.indenter.height(1.0))
 
