@@ -27,13 +27,18 @@ class SurfaceState:
     traction: np.ndarray
     u: np.ndarray  # (2, n), that of a bulk strain included
     delta: np.ndarray  # (2,)
-    neglected: np.ndarray  # (n,) the u_x of the pressure, where coupling is off; 0 otherwise
+    neglected: np.ndarray  # (2, n) the u_x of the pressure and the u_y of the traction where coupling is off, else 0
     elastic: float = 0.0  # compliance of elastic slip
 
     @property
     def relative_displacement(self) -> np.ndarray:
         """u_x - delta_x as friction sees it, less the elastic slip -c q, (n,)."""
-        return self.u[X] - self.neglected - self.delta[X] + self.elastic * self.traction
+        return self.u[X] - self.neglected[X] - self.delta[X] + self.elastic * self.traction
+
+    @property
+    def approach(self) -> np.ndarray:
+        """u_y - delta_y as contact sees it, (n,): the gap is f(x) more."""
+        return self.u[Y] - self.neglected[Y] - self.delta[Y]
 
     @property
     def elastic_energy(self) -> float:
@@ -46,7 +51,9 @@ class SurfaceState:
 
 
 class SurfaceSampler:
-    """Collects a SurfaceState from all ranks. problem: any on the body; uncoupled: the pressure's u_x is not slip."""
+    """Collects a SurfaceState from all ranks. problem: any on the body; uncoupled: the pressure's u_x is not slip, and the
+    traction's u_y no gap.
+    """
 
     def __init__(self, problem: ContactProblem, uncoupled: bool = False):
         self.body, self._uncoupled = problem.body, uncoupled
@@ -60,18 +67,23 @@ class SurfaceSampler:
         dofs = self.body.dofs[self._nodes.owned]
         normal = problem.held.state if problem.held else self.body.state  # of the pressure alone
         u, normal_u = self.body.state.x.array[dofs], normal.x.array[dofs]
-        neglected = normal_u[:, X] if self._uncoupled else np.zeros(len(u))
+        neglected = np.zeros(u.shape)
+        if self._uncoupled:
+            neglected[:, X], neglected[:, Y] = normal_u[:, X], u[:, Y] - normal_u[:, Y]
         stretching = self.body.stretching(self.x, np.zeros_like(self.x))
         return SurfaceState(
             x=self.x,
             weight=self.weight,
             pressure=force[Y] / self.weight,
             traction=force[X] / self.weight,
-            u=np.stack([self._collect(u[:, X], parity=-1), self._collect(u[:, Y])]) + stretching.T,
+            u=self._displacement(u) + stretching.T,
             delta=self.body.delta.value.copy(),
-            neglected=self._collect(neglected, parity=-1),
+            neglected=self._displacement(neglected),
             elastic=problem.elastic,
         )
+
+    def _displacement(self, u):
+        return np.stack([self._collect(u[:, X], parity=-1), self._collect(u[:, Y])])
 
     def _collect(self, nodal, parity: int = 1):
         """Sorted values of all ranks, mirrored."""

@@ -39,7 +39,7 @@ SCALARS = ("iterations", "cuts", "unsettled", "residual", "seconds", "tolerance"
 def record(n: int) -> np.dtype:
     """One load step: a SurfaceState of n nodes and what it took."""
     fields: list[tuple] = [("pressure", "f8", n), ("traction", "f8", n), ("u", "f8", (2, n)), ("delta", "f8", 2)]
-    fields += [("neglected", "f8", n), ("elastic", "f8")]
+    fields += [("neglected", "f8", (2, n)), ("elastic", "f8")]
     return np.dtype(fields + [(name, "f8") for name in SCALARS])
 
 

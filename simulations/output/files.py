@@ -20,7 +20,7 @@ QUANTITIES = {  # of surface.h5: unit and meaning
     "weight": ("m", "length of surface that belongs to a node: sum(weight * pressure) = P_carried"),
     "load_parameter": ("–", "length of the load path so far, in the largest P and the largest Q"),
     "pressure": ("Pa", "contact pressure"),
-    "gap": ("m", "distance between surface and indenter along the normal, f(x) - u_y - delta_y with u_y upwards"),
+    "gap": ("m", "f(x) - u_y - delta_y with u_y upwards; without coupling u_y is that of the pressure alone"),
     "traction": ("Pa", "tangential traction on the half-plane, positive along +Q"),
     "slip": ("m", "u_x - delta_x since tangential loading began, less elastic slip"),
     "contact_state": ("–", "0 separated, 1 stick (without friction: in contact), 2 slip"),
@@ -153,7 +153,7 @@ def write_surface(path: Path, history: History, scales: Scales, times: np.ndarra
         "weight": surfaces[0].weight * scales.length,
         "load_parameter": times[: len(entries)],
         "pressure": np.stack([s.pressure for s in surfaces]) * scales.stress,
-        "gap": np.stack([profile + s.u[1] - s.delta[1] for s in surfaces]) * scales.displacement,
+        "gap": np.stack([profile + s.approach for s in surfaces]) * scales.displacement,
         "contact_state": np.stack([history.contact_states(e) for e in entries]).astype(np.uint8),
         **_of("P", loads),
     }

@@ -37,16 +37,12 @@ class Check:
         return bool(self.value <= self.limit)
 
 
-def check(
-    history: History, height: Callable, coupled: bool = True, cause: Callable[[], str] | None = None
-) -> dict[str, Check]:
+def check(history: History, height: Callable, cause: Callable[[], str] | None = None) -> dict[str, Check]:
     """Checks of a run that ended. height: the indenter's f(x), in the history's units.
 
-    coupled: False where the traction does not move the surface up and down: the gap is that of the normal stage.
     cause: tells why tractions zigzag; it is asked only where they do.
     """
     entries = history.entries
-    with_gap = [entry for entry in entries if coupled or entry.step.branch == "normal"]
     tolerance = max(entry.tolerance for entry in entries)
     lost = float(sum(np.isnan(entry.a) for entry in entries if entry.step.state or entry is entries[-1]))
     checks = {
@@ -54,7 +50,7 @@ def check(
         # tractions read off the fields: Newton's tolerance, and once more the round-off that makes it
         "load balance": Check(max(map(imbalance, entries)), 10 * tolerance),
         "p >= 0": Check(max(map(tension, entries)), 0.0),
-        "gap >= 0": Check(max(penetration(entry.surface, height) for entry in with_gap), PENETRATION),
+        "gap >= 0": Check(max(penetration(entry.surface, height) for entry in entries), PENETRATION),
         "pressure zigzags": Check(max(zigzags(entry.surface.pressure) for entry in entries), ZIGZAGS),
         "contact has a width": Check(lost, 0.0, LOST if lost else ""),
     }
@@ -125,7 +121,7 @@ def tension(entry: Entry) -> float:
 
 def penetration(surface: SurfaceState, height: Callable) -> float:
     """Deepest overlap outside the contact over its depth: f(a), or how far the surface bends where f is flat."""
-    gap = height(surface.x) + surface.u[1] - surface.delta[1]
+    gap = height(surface.x) + surface.approach
     open_nodes = surface.pressure <= 0
     reach = np.abs(surface.x[~open_nodes]).max()
     depth = max(float(height(reach)), BENT * np.ptp(surface.u[1]))

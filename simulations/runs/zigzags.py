@@ -15,9 +15,7 @@ MOST_NODES = 400  # surface nodes in contact for which the mesh's own bound is l
 
 def checked(simulation: Simulation) -> dict[str, Check]:
     """What a finished run is checked for, by name; zigzags with their cause."""
-    coupled = "coupling" in simulation.effects or not simulation.scene.friction
-    height = simulation.scaled.indenter.height
-    return check(simulation.history, height, coupled, lambda: cause(simulation))
+    return check(simulation.history, simulation.scaled.indenter.height, lambda: cause(simulation))
 
 
 def checked_errors(

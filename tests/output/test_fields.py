@@ -145,19 +145,34 @@ def test_functions_of_dolfinx(folder):
 
 
 def test_the_gap_is_that_of_the_fields(folder):
-    """f(x) - u_y - delta_y with u_y upwards, at every node of the surface and far from the middle too."""
-    last = pandas.read_csv(folder / "history.csv").iloc[-1]
-    with h5py.File(folder / "fields" / f"{last['increment']:06d}.h5") as state, h5py.File(
+    """f(x) - u_y - delta_y with u_y upwards, at every node of the surface and far from the middle too.
+
+    This run is without coupling: after pressing, its gap is no longer that of the displacement, which has the u_y of q.
+    """
+    pressed = pandas.read_csv(folder / "history.csv").iloc[0]
+    with h5py.File(folder / "fields" / f"{pressed['increment']:06d}.h5") as state, h5py.File(
         folder / "fields" / "mesh.h5"
     ) as mesh:
         points, u = mesh["points"][...], state["displacement"][...]
     with h5py.File(folder / "surface.h5") as file:
-        x, gap, meaning = file["x"][...], file["gap"][-1], file["gap"].attrs["meaning"]
-    assert meaning.endswith("f(x) - u_y - delta_y with u_y upwards")
+        x, gap, meaning = file["x"][...], file["gap"][0], file["gap"].attrs["meaning"]
+    assert meaning.startswith("f(x) - u_y - delta_y with u_y upwards")
     top = points[:, 1] == 0
     order = np.argsort(points[top, 0])
     u_y = np.interp(x, points[top, 0][order], u[top, 1][order])
-    assert gap == pytest.approx(x**2 / (2 * 0.1) - u_y - last["delta_y[m]"], abs=1e-9 * np.abs(u_y).max())
+    assert gap == pytest.approx(x**2 / (2 * 0.1) - u_y - pressed["delta_y[m]"], abs=1e-9 * np.abs(u_y).max())
+
+
+def test_the_gap_without_coupling_is_that_of_the_pressure():
+    """Under Q it stays what it was after pressing: closed in contact, open beside it; f(a) = 0.5 in these units."""
+    simulation = coarse_simulation(solid__k=-0.5, solid__nu=0.0, **UNCOUPLED).run_to_end()
+    height = simulation.scaled.indenter.height
+    gaps = [height(e.surface.x) + e.surface.approach for e in simulation.history.entries]
+    assert np.abs(simulation.history.entries[-1].surface.neglected).max() > 0.1
+    for gap, entry in zip(gaps, simulation.history.entries, strict=True):
+        assert gap == pytest.approx(gaps[0], abs=1e-9)
+        closed = entry.surface.pressure > 0
+        assert np.abs(gap[closed]).max() < 1e-3 and gap[~closed].min() > -1e-3
 
 
 def y0(folder):

@@ -84,7 +84,7 @@ def test_what_round_off_leaves_of_the_load_balance_ends_a_solve():
     pressed = next(simulation.run())
     assert pressed.iterations <= 15
     assert 10 * newton.FORCE_TOLERANCE < checks.imbalance(pressed) < 10 * pressed.tolerance < newton.ATTAINABLE * 10
-    found = checks.check(simulation.history, simulation.scaled.indenter.height, coupled=False)
+    found = checks.check(simulation.history, simulation.scaled.indenter.height)
     assert found["residual"].holds and found["load balance"].holds
 
 
@@ -102,7 +102,7 @@ def test_first_contact_has_facets_enough(monkeypatch):
 def zigzags(**changes) -> float:
     """Of pressure or traction, the most of all states of a loop."""
     simulation = solved(**changes)
-    found = checks.check(simulation.history, simulation.scaled.indenter.height, True)
+    found = checks.check(simulation.history, simulation.scaled.indenter.height)
     return max(found[name].value for name in ("pressure zigzags", "traction zigzags"))
 
 
