@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 SAME_POINT = 1e-14  # of mu P: points of the polyline closer than this are one
+SAME_SLOPE = 1e-9  # of mu
 
 
 @dataclass(frozen=True)
@@ -34,6 +35,14 @@ class LoadMemory:
     def unloaded(cls, mu):
         """No contact yet."""
         return cls(mu, np.zeros(1), np.zeros(1))
+
+    @property
+    def below_limit(self):
+        """The load P(s) of the half-width s of the zone where |q| < mu p: beyond it all punches carry mu, of one sign."""
+        slopes = np.diff(self.Q) / np.diff(self.P) / self.mu
+        last = slopes[-1] if len(slopes) and abs(slopes[-1]) > 1 - SAME_SLOPE else np.inf
+        inside = np.flatnonzero(np.abs(slopes - last) > SAME_SLOPE)
+        return self.P[inside[-1] + 1] if len(inside) else self.P[0]
 
     def narrower(self, load):
         """Line load Q of the punches whose own P is at most ``load``; any shape."""

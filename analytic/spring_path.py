@@ -60,6 +60,11 @@ class SpringState:
         """Half-width of the zone that stuck during the last change of the loads [length]: c, d of [X5], or a."""
         return self.path.contact_under(self.memory.stick).a
 
+    @property
+    def half_width_below_limit(self):
+        """Half-width of the zone where |q| < mu p [length]: another one where the loads go back on the way they came."""
+        return self.path.contact_under(self.memory.below_limit).a
+
     def pressure(self, x):
         """p(x) [stress], (7)."""
         return self.contact.pressure(x)

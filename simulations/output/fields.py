@@ -106,12 +106,17 @@ class FieldWriter:
         return np.column_stack([u[:, 0], -u[:, 1], np.zeros(len(u))])
 
     def _cell_moduli(self, sample):
-        """E of each layer of cells: at its middle, the mean where E is infinite on the surface."""
-        modulus, y = self.scaled.modulus, sample.depth.y(sample.s)
+        """E of each layer of cells that gives their energy: where E is infinite on the surface strains are smooth, and it
+        is the mean of E, elsewhere stresses are, and it is 1 over the mean of 1/E.
+        """
+        modulus, depth, s = self.scaled.modulus, sample.depth, sample.s
+        y = depth.y(s)
         if modulus.is_singular:
             return modulus.layer_mean(y[:-1], y[1:])
-        middle = sample.depth.y((sample.s[:-1] + sample.s[1:]) / 2)
-        return np.broadcast_to(modulus.young(middle), middle.shape)
+        points, weights = np.polynomial.legendre.leggauss(3)
+        at = s[:-1, None] + np.diff(s)[:, None] * (1 + points) / 2
+        flexibility = depth.stretch(at) / modulus.young(depth.y(at)) + 0 * at  # in ds: constant for a power law
+        return np.diff(y) / np.diff(s) / (flexibility @ weights / 2)
 
     def _stresses(self, stress, young):
         scales = self.scaled.scales

@@ -51,8 +51,8 @@ class Springs:
         return -half_width, half_width
 
     def stick_half_width(self, entry: Entry) -> float:
-        """Half-width of what stuck during the last change of the loads; at constant P (48), [X5]."""
-        return self._states[entry.number].stick_half_width
+        """Half-width of the zone where |q| < mu p; at constant P (48), [X5]."""
+        return self._states[entry.number].half_width_below_limit
 
     def dissipated_energy(self) -> float:
         """Of the last full cycle, where there is none since first contact; [X4] for a cycle at constant P."""

@@ -69,6 +69,7 @@ def test_fretting_loop_at_every_state(contact):
         np.testing.assert_allclose(state.slip(x), loop.slip(x, Q, name), atol=1e-12 * loop.amplitude.slip(x[-1]))
         d = loop.active_half_width(Q, name)
         assert state.stick_half_width == pytest.approx(d, rel=1e-12)
+        assert state.half_width_below_limit == pytest.approx(d, rel=1e-12)
         assert state.traction_within(0.7) == pytest.approx(loop.traction_within(0.7, Q, name), abs=1e-12 * Q_A)
     assert len(states[7].memory.P) == 3
     cycle = 2 * (states[-1].dissipated_energy - states[7].dissipated_energy)
@@ -86,6 +87,18 @@ def test_nested_loops_are_forgotten():
         np.testing.assert_allclose(one.memory.Q, other.memory.Q, rtol=1e-13)
     inner = contact.fretting(MU, 0.2 * MU * P).dissipated_energy
     assert nested[-1].dissipated_energy - plain[-1].dissipated_energy == pytest.approx(inner, rel=1e-11)
+
+
+def test_loads_that_go_back_leave_traction_at_its_limit():
+    """On the way back nothing slips, so that all sticks; beyond 0.62 a the traction is at its limit all the same."""
+    contact = cylinder(0.3)
+    way = [(0.2, 0.0), (0.2, 0.04), (1.0, 0.04), (0.2, 0.04), (1.0, -0.04), (0.2, 0.04)]
+    state = SpringPath(contact, MU).run([(share * P, Q * MU / 0.3 * P) for share, Q in way])[-1]
+    assert state.stick_half_width == state.contact_half_width
+    edge = state.half_width_below_limit
+    assert edge / state.contact_half_width == pytest.approx(0.6216, rel=3e-3)  # of discrete springs
+    for x, at_limit in ((0.999 * edge, False), (1.001 * edge, True), (0.99 * state.contact_half_width, True)):
+        assert (abs(state.traction(x)) > (1 - 1e-9) * MU * state.pressure(x)) == at_limit
 
 
 # -- P grows while Q acts ------------------------------------------------------------------------------------------
