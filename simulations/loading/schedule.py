@@ -54,7 +54,7 @@ def rocking(P: float, Q_A: float, cycles: int, quarter: int, harmonic: bool = Fa
     swing = np.arange(1, 2 * quarter + 1) / quarter
     angle = np.pi / 2 / quarter if harmonic else 0.0
     if harmonic:
-        swing = 1 - np.cos(np.pi / 2 * swing)
+        swing = 1 - np.sin(np.pi / 2 * (1 - swing))  # 1 where Q passes zero, to the last digit
     schedule = [LoadStep(Load(P, Q_A * z), "initial", direction=1) for z in ramp]
     schedule[-1] = replace(schedule[-1], state="A")
     for cycle in range(1, cycles + 1):

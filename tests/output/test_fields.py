@@ -18,6 +18,7 @@ from simulations.fem.body_sample import BodySampler
 from simulations.output.body_quantities import from_stress
 from simulations.output.body_states import body_functions
 from simulations.output.field_index import local_nodes
+from simulations.output.fields import FieldWriter
 from simulations.scene import SceneError
 from simulations.scene.output import FIELDS
 
@@ -161,6 +162,21 @@ def test_the_gap_is_that_of_the_fields(folder):
     order = np.argsort(points[top, 0])
     u_y = np.interp(x, points[top, 0][order], u[top, 1][order])
     assert gap == pytest.approx(x**2 / (2 * 0.1) - u_y - pressed["delta_y[m]"], abs=1e-9 * np.abs(u_y).max())
+
+
+@pytest.mark.parametrize("k", [0.9, 0.6, 0.3, 0.0, -0.5])
+def test_the_energy_density_sums_to_the_energy(k, tmp_path):
+    """Of the finite elements, u·K u/2, but for what stresses vary within cells, though E varies by many orders there."""
+    simulation = coarse_simulation(**(FINER | UNCOUPLED), solid__k=k, solid__nu=0.3).run_to_end()
+    parts = simulation.numbering, simulation.scaled, simulation.schedule, simulation.scene.output
+    last = len(simulation.schedule) - 1
+    FieldWriter(tmp_path, *parts, simulation.scene.solid.nu).write(last)
+    with h5py.File(tmp_path / "fields" / f"{last:06d}.h5") as state, h5py.File(tmp_path / "fields" / "mesh.h5") as mesh:
+        area = np.outer(np.diff(mesh["depth"][...]), np.diff(mesh["x"][...]))
+        found = np.sum(area.ravel() * state["energy_density"][...])
+    u, Ku = simulation.body.state.x.petsc_vec, simulation.body.state.x.petsc_vec.duplicate()
+    simulation.body.stiffness.mult(u, Ku)
+    assert found == pytest.approx(u.dot(Ku) / 2 * simulation.scaled.scales.energy, rel=1e-2)
 
 
 def test_the_gap_without_coupling_is_that_of_the_pressure():
