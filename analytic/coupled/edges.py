@@ -16,7 +16,7 @@ FREE = 1e-3  # and amplitudes that are borne in any case
 FLAT = 0.03  # derivative of the amplitude at an edge of stick by its own variable; it is 0.1 to 0.3 elsewhere
 LEAP_MARGIN = 0.01  # over the width of slip, by which a leap goes too far; a tenth of it at the next one
 SHORTER = 0.1  # change of the widths of slip in a guess that leaves no stick
-LEAST_STICK = 1e-4  # share of the contact that has to stick
+LEAST_STICK, LEAST_SLIP = 1e-4, 1e-12  # shares of the contact that have to stick, and to slip at each edge
 SETTLED = 1e-8  # largest amplitude (see ``linear.Solution``) at which the edges rest,
 BORNE = 1e-7  # and that borne where it falls no further: rounding, where slip has hardly begun
 JUMP = 1e-6  # amplitude borne at a place that is known to FEATURE: there the basis changes, and the amplitude with it
@@ -146,20 +146,23 @@ class EdgeSolver:
         return edges_of(y, load, self.base.contact)
 
     def _valid(self, y, back, load):
-        """Variables, so many times ``back`` from y, with which some stick is left, within the contact at the turn."""
+        """Variables, so many times ``back`` from y, with which some stick and slip is left, within the contact at the turn.
+        """
         for times in range(8):
             taken = y + times * np.asarray(back)
             x_l, c_l, c_r, x_r = self._edges(taken, load)
             outside = c_l <= self.base.contact[0] or c_r >= self.base.contact[1]
-            if c_r - c_l > LEAST_STICK * (x_r - x_l) and not outside:
+            slips = min(c_l - x_l, x_r - c_r) > LEAST_SLIP * (x_r - x_l)
+            if c_r - c_l > LEAST_STICK * (x_r - x_l) and slips and not outside:
                 return taken
         return self._refuse(y, load)
 
     def _refuse(self, y, load):
-        _, c_l, c_r, _ = self._edges(y, load)
+        x_l, c_l, c_r, x_r = self._edges(y, load)
         outside = c_l <= self.base.contact[0] or c_r >= self.base.contact[1]
-        reason = ARRIVAL if outside else "no stick is left between the zones of slip"
-        raise ContactNotConverged(reason)
+        closed = min(c_l - x_l, x_r - c_r) <= LEAST_SLIP * (x_r - x_l)
+        left = "slip is left at an edge" if closed else "stick is left between the zones of slip"
+        raise ContactNotConverged(ARRIVAL if outside else f"no {left}")
 
 
 class Bracket:
