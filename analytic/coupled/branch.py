@@ -16,7 +16,8 @@ STRIDE, HALVINGS = 3.0, 4  # factor between loads on the way there, halvings of 
 LEAST_OVER_LIKE = 1.5  # and how much larger the least load is if the loop is ``like`` another
 POWER = 2.0  # of the variable in which the loads are spread, see ``Branch.variable``
 EXTRA, LATER = 4, 6  # number of loads in the first part more than the order is, and in each of the others
-SHORTEST, CLOSER = 1e-3, 3  # part at the end of a branch over its span, and states on the way to where it begins
+SHORTEST, CLOSER = 1e-3, 3  # part of a branch over its span, and states on the way to where it begins
+FEWEST = 3  # known states in such a part
 SPARSE = 3  # so many loads are solved before it is known where a stick edge passes an earlier turn
 LEAST_WIDTH = 0.02  # of slip inside the contact at the turn, over the load, where a solution is still sought
 MOST_ITERATIONS = 12  # iterations at loads that need no solution
@@ -61,8 +62,12 @@ class Branch:
         lows, count = [self.first, *self.parts[1:-1]], self.problem.order + EXTRA
         counts = [count, *[LATER] * (len(lows) - 1)]
         nodes = [self._spread(*part) for part in zip(lows, self.parts[1:], counts, strict=True)]
-        for loads in nodes:
-            self.solve_at(loads)
+        self.solve_at(nodes[0])
+        for loads in nodes[1:]:
+            solved = sum(self._tried(load) for load in loads[::-1])
+            if solved < FEWEST:
+                why = f"where stick passes a place at which it turned before, {self._failure}"
+                raise ContactNotConverged(f"the energy is not known: {why}")
         return nodes
 
     def variable(self, load):
@@ -243,7 +248,11 @@ class Branch:
                 if passed[-1] and not passed[0]:
                     i = passed.index(True)
                     result.append(self._crossing(x, end, self.loads[i - 1], self.loads[i]))
-        return sorted(load for load in result if FIRST < load / self.span < 1 - SHORTEST)
+        apart, kept = SHORTEST * self.span, [FIRST * self.span]
+        for load in sorted(result):
+            if load > kept[-1] + apart and load < self.span - apart:
+                kept.append(load)
+        return kept[1:]
 
     def _crossing(self, x, end, low, high):
         """Load between low and high at which a stick edge is at x, by interpolation."""

@@ -146,8 +146,7 @@ class EdgeSolver:
         return edges_of(y, load, self.base.contact)
 
     def _valid(self, y, back, load):
-        """Variables, so many times ``back`` from y, with which some stick and slip is left, within the contact at the turn.
-        """
+        """Variables, so many times ``back`` from y, with which stick and slip are left inside the old contact."""
         for times in range(8):
             taken = y + times * np.asarray(back)
             x_l, c_l, c_r, x_r = self._edges(taken, load)

@@ -113,8 +113,12 @@ def describe(reference: Reference, simulation: Simulation) -> str:
         friction = "the same friction" if scene.friction else "no friction"
         nodes = ""
         if isinstance(reference, StepFree) and reference.between:
-            other, states = reference.between, len(reference.states)
-            nodes = f", and at {len(reference.gaps)} of {states} states {other.name} of {other.nodes} nodes,"
+            other, places = reference.between, []
+            if reference.gaps:
+                places.append(f"at {len(reference.gaps)} of {len(reference.states)} states")
+            if reference.lacks_energy:
+                places.append("for the energy")
+            nodes = f", and {' and '.join(places)} {other.name} of {other.nodes} nodes,"
         if isinstance(reference, MeshFree):
             nodes = f" of {reference.nodes} nodes"
             if reference.since_turn:

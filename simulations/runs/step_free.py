@@ -19,8 +19,9 @@ class StepFree(OfStates):
     order: of its basis; like: the same of another order, see ``CoupledLoop.where_known``. coarser: the same with a
     lower order, made if ``estimated``; the difference is more than the error of this solution.
     gaps: numbers of load steps without a state, as points come into contact in stick there. If ``filled`` these states
-    are those of ``between``, the mesh-free solver, and so is the energy where these loads leave it open; else there is
-    no reference. tell: see ``MeshFree``.
+    are those of ``between``, the mesh-free solver, and so is the energy where these loads leave it open
+    (``lacks_energy``): then with load steps that grow from each turn, as all of them count. Else there is no reference.
+    tell: see ``MeshFree``.
     """
 
     name = "half-plane solver without load steps"
@@ -35,19 +36,28 @@ class StepFree(OfStates):
         tell: Tell | None = None,
     ):
         self._own = self._found(simulation, order, like)
-        reasons = {n: reason for n, reason in enumerate(map(missing, self._own)) if reason}
-        if reasons and not (filled or like and reasons.keys() <= set(like.gaps)):
+        reasons: dict[int | None, Exception] = {n: why for n, why in enumerate(map(missing, self._own)) if why}
+        energy = 0.0
+        try:
+            known(self._own[-1:])  # where no turn before is uncertain
+            energy = last_cycle(self._own, simulation.schedule)
+        except ContactNotConverged as failure:
+            reasons[None] = failure
+        if reasons and not (filled or like and reasons.keys() <= like.open.keys()):
             raise NoReference(str(next(iter(reasons.values()))))
-        self.gaps: list[int] = list(like.gaps if like else reasons)
+        self.open: dict[int | None, Exception] = like.open if like else reasons  # by load step, None for the energy
+        self.gaps = [number for number in self.open if number is not None]
+        self.lacks_energy = None in self.open
         self.between: MeshFree | None = None
         if like and like.between:
             self.between = like.between.coarser
-        elif self.gaps:
-            self.between = MeshFree(simulation, tell, FEWER_NODES, estimated=estimated, since_turn=self.gaps)
+        elif self.open:
+            steps = range(1, len(simulation.schedule)) if self.lacks_energy else self.gaps
+            self.between = MeshFree(simulation, tell, FEWER_NODES, estimated=estimated, since_turn=steps)
         states = list(self._own)
         for number in self.gaps:
             states[number] = self.between.states[number]
-        super().__init__(states, self._energy_of(simulation))
+        super().__init__(states, self.between.dissipated_energy() if self.lacks_energy else energy)
         self.coarser = self._other(simulation, order) if estimated else None
 
     @staticmethod
@@ -62,15 +72,6 @@ class StepFree(OfStates):
             return states_of(loop, loads)
         except (ContactNotConverged, ValueError, ArithmeticError) as failure:
             raise NoReference(str(failure)) from None
-
-    def _energy_of(self, simulation) -> float:
-        try:
-            known(self._own[-1:])  # where no turn before is uncertain
-            return last_cycle(self._own, simulation.schedule)
-        except ContactNotConverged as failure:
-            if self.between is None:
-                raise NoReference(str(failure)) from None
-            return self.between.dissipated_energy()
 
     def _other(self, simulation, order):
         """Another order of the basis; a higher one where the lower does not converge."""
