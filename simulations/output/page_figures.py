@@ -42,7 +42,8 @@ def surface(folder: Path, rows: list[dict]) -> bytes | None:
         for name, words, unit in panels:
             _states(free.pop(0), data, name, words, unit, shown, reach)
         if DENSITY in data:
-            _density(free.pop(0), data, reach, has_cycle=int(rows[-1]["cycle"]) > 0)
+            full = [row["cycle"] for row in rows if row["state"] == "A"]
+            _density(free.pop(0), data, reach, has_cycle=max(map(int, full), default=0) > 0)
         if "traction" in data:
             _loop(free.pop(0), free.pop(0), rows, shown)
         for axis in free:
@@ -50,7 +51,8 @@ def surface(folder: Path, rows: list[dict]) -> bytes | None:
         varies = np.ptp(data["P_prescribed"][list(shown.values())]) > 0
         labels = [_label(state, data, place, varies) for state, place in shown.items()]
         title = left_out(len(shown), len(named))
-        figure.legend(axes[0, 0].lines, labels, loc="outside lower center", ncols=len(labels), title=title)
+        columns = 3 if varies else len(labels)
+        figure.legend(axes[0, 0].lines, labels, loc="outside lower center", ncols=columns, title=title)
         return png(figure)
 
 

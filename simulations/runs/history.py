@@ -122,13 +122,17 @@ class History:
     @property
     def has_cycle(self) -> bool:
         """True once a full cycle is done."""
-        return self.entries[-1].step.cycle > 0
+        return self._full_cycles > 0
 
     @property
     def last_cycle(self) -> list[Entry]:
         """Entries of the last full cycle, without the one it starts from."""
-        cycle = self.entries[-1].step.cycle
-        return [entry for entry in self.entries if entry.step.cycle == cycle]
+        return [entry for entry in self.entries if entry.step.cycle == self._full_cycles]
+
+    @property
+    def _full_cycles(self) -> int:
+        """How many cycles have come to their end, the state A."""
+        return max((entry.step.cycle for entry in self.entries if entry.step.state == "A"), default=0)
 
     def contact_states(self, entry: Entry) -> np.ndarray:
         """SEPARATED, STICK or SLIP at each node (n,). Without friction what is in contact counts as STICK."""
@@ -141,19 +145,19 @@ class History:
         """Frictional work per area of surface (n,) in the last full cycle, w of (51); where there is none, since the
         start.
         """
-        return self.entries[-1].work - self._before_cycle.work if self.has_cycle else self.entries[-1].work
+        return self.last_cycle[-1].work - self._before_cycle.work if self.has_cycle else self.entries[-1].work
 
     @property
     def dissipated_energy(self) -> float:
         """Energy dissipated in the last full cycle, the integral of ``work``; where there is none, since the start."""
         if not self.has_cycle:
             return float(self.entries[-1].dissipated)
-        return float(self.entries[-1].dissipated - self._before_cycle.dissipated)
+        return float(self.last_cycle[-1].dissipated - self._before_cycle.dissipated)
 
     @property
     def _before_cycle(self) -> Entry:
         """What the last full cycle starts from."""
-        return self.entries[len(self.entries) - len(self.last_cycle) - 1]
+        return self.entries[self.last_cycle[0].number - 1]
 
 
 def all_states(history: History) -> list[Entry]:

@@ -18,6 +18,18 @@ def condensed():
     return solved()
 
 
+def test_a_cycle_counts_once_it_is_full():
+    """Work and energy are those between the last two states A; before the second one those since the start."""
+    simulation = coarse_simulation(load__cycles=2)
+    for entry in simulation.run():
+        ends = [e.dissipated for e in simulation.history.entries if e.step.state == "A"]
+        expected = ends[-1] - ends[-2] if len(ends) > 1 else entry.dissipated
+        assert simulation.history.dissipated_energy == pytest.approx(expected, rel=1e-12, abs=1e-15)
+        work = entry.surface.line_load(simulation.history.work)
+        assert work == pytest.approx(expected, rel=1e-12, abs=1e-15)
+        assert simulation.history.has_cycle == (len(ends) > 1)
+
+
 def test_both_methods_give_the_same_loop(condensed):
     full = solved(solver__method="full")
     for one, other in zip(condensed.history.entries, full.history.entries, strict=True):
