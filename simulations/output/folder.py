@@ -29,6 +29,7 @@ from .lock import Lock
 MOVED = Path("/opt/stack/moved.txt")  # of the image: packages whose recorded version the archive no longer had
 FILES = (SCENE, "history.csv", "surface.h5", field_index.XDMF, field_index.VTKHDF, "summary.json", "fretting.png")
 REPORT = "report.html"
+SWEEP = "sweep.jsonl", "sweep.csv"  # of a sweep: finished runs, and their table
 OTHERS = (lines.NAME, REPORT)  # where they are asked for
 FOLDERS = (checkpoint.FOLDER, field_index.FOLDER)
 PROBE = 1 << 18  # bytes that have to fit into the folder before a run begins
@@ -146,8 +147,12 @@ def is_run_of(folder: Path, scene: Scene) -> bool:
 
 def is_whole(folder: Path) -> bool:
     """Whether ``folder`` holds a run that reached its end, with its scene as the run wrote it and its tables."""
-    is_there = all((folder / name).exists() for name in ("history.csv", "surface.h5"))
-    return is_there and _is_of_a_run(folder / SCENE) and checkpoint.is_complete(folder)
+    return not lost_table(folder) and _is_of_a_run(folder / SCENE) and checkpoint.is_complete(folder)
+
+
+def lost_table(folder: Path) -> str:
+    """The first table that is missing of a run that reached its end; "" for none."""
+    return next((name for name in ("history.csv", "surface.h5") if not (folder / name).exists()), "")
 
 
 def locked(folder: Path, option: str = "--output") -> Lock:
@@ -218,11 +223,14 @@ def _remove_empty(folders):
 
 def _refuse(folder: Path, scene_file: Path | None, overwrite: bool):
     """SceneError where a run in ``folder`` would replace something that it must not."""
+    start = f"--output {shown(folder)} is not allowed: "
+    sweep = next((name for name in SWEEP if (folder / name).exists()), None)
+    if sweep:
+        raise SceneError(f"{start}it holds {sweep}, of a sweep; choose another folder")
     names = [name for name in (*FILES, *OTHERS, checkpoint.FOLDER) if (folder / name).exists()]
     names += [field_index.FOLDER + "/"] if any(True for _ in _state_files(folder)) else []
     if not names:
         return
-    start = f"--output {shown(folder)} is not allowed: "
     if scene_file and (folder / SCENE).exists() and os.path.samefile(scene_file, folder / SCENE):
         raise SceneError(f"{start}the scene {shown(scene_file)} is in it, under a name of a run's own; choose another")
     stranger = None if _is_of_a_run(folder / SCENE) else SCENE if (folder / SCENE).exists() else names[0]

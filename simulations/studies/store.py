@@ -2,6 +2,7 @@
 
 import json
 import os
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -26,16 +27,18 @@ class Store:
 
     def read(self) -> dict[str, dict[str, Any]]:
         """Every finished row by key."""
-        found: dict[str, dict[str, Any]] = {}
-        if not self.path.exists():
-            return found
-        for line in self.path.read_text(encoding="utf-8", errors="replace").splitlines():
-            try:
+        return {record["key"]: record["row"] for record in self._records()}
+
+    def _records(self):
+        text = self.path.read_text(encoding="utf-8", errors="replace") if self.path.exists() else ""
+        for line in text.splitlines():
+            with suppress(ValueError, KeyError, TypeError):
                 record = json.loads(line)
-                found[record["key"]] = record["row"]
-            except (ValueError, KeyError, TypeError):
-                continue
-        return found
+                yield {name: record[name] for name in ("key", "values", "row")}
+
+    def values(self) -> list[dict[str, Any]]:
+        """The values of every finished run."""
+        return [record["values"] for record in self._records()]
 
     def keep(self, key: str, values: dict[str, Any], row: dict[str, Any]):
         """Append one run, on disk before this returns. OSError where it cannot be."""

@@ -9,12 +9,12 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from ..fem.parallel import on_root
-from ..output.folder import FILES, has_lost_scene, locked, refuse_changed, remove_run
+from ..output.folder import FILES, SWEEP, has_lost_scene, locked, refuse_changed, remove_run
 from ..scene import SceneError, shown
 from .engine import Item
 from .store import Store
 
-KEPT, TABLE = "sweep.jsonl", "sweep.csv"
+KEPT, TABLE = SWEEP
 RUNS = "run-{:04d}"  # folder of a scene, by its number
 
 
@@ -56,7 +56,9 @@ def _make_ready(folder, items, overwrite):
         # a run that was kept and has lost its scene would be refused as another's, and could never be solved again
         own = [Path(item.values["folder"]) for item in items if item.key in kept and "folder" in item.values]
         lost = [run_folder for run_folder in own if has_lost_scene(run_folder)]
-        replaced = sorted(folder.glob("run-[0-9]*")) if overwrite else lost
+        runs = (*store.values(), *(item.values for item in items))
+        theirs = {folder / Path(values["folder"]).name for values in runs if "folder" in values}
+        replaced = sorted(path for path in theirs if path.exists()) if overwrite else lost
         for run_folder in replaced:  # before anything is taken away
             if not has_lost_scene(run_folder):
                 refuse_changed(run_folder)

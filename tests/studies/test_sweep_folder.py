@@ -5,9 +5,10 @@ import shutil
 
 import pytest
 from coarse_sweep import COARSE_SETS, arguments, rows_of
+from running import coarse_arguments
 
 import simulations.sweep as command
-from simulations import SceneError
+from simulations import SceneError, fretting
 from simulations.output import folder as run_folder
 from simulations.output.checkpoint import read_scene
 from simulations.output.lock import Lock, Locked
@@ -111,13 +112,14 @@ def test_the_file_of_another_hand_is_the_one_that_is_named(tmp_path):
 def test_what_overwrite_replaces(tmp_path):
     run(tmp_path, "0.2,0.25", "--folders")
     (tmp_path / "run-0002" / "notes.txt").write_text("mine")
+    single = shutil.copytree(tmp_path / "run-0001", tmp_path / "run-2024")
     run(tmp_path, "0.5,0.6", "--folders", "--overwrite")
     assert friction_of(tmp_path) == [0.5, 0.6]
     assert [read_scene(tmp_path / f"run-000{n}").mu for n in (1, 2)] == [0.5, 0.6]
     run(tmp_path, "0.7", "--overwrite")
     assert friction_of(tmp_path) == [0.7] and len((tmp_path / "sweep.jsonl").read_text().splitlines()) == 1
     assert contents(tmp_path / "run-0002") == {tmp_path / "run-0002" / "notes.txt": b"mine"}
-    assert not (tmp_path / "run-0001").exists()
+    assert not (tmp_path / "run-0001").exists() and run_folder.is_whole(single)
 
 
 @pytest.mark.parametrize(
@@ -135,6 +137,15 @@ def test_what_no_sweep_wrote_is_not_replaced(tmp_path, name, text, said):
         with pytest.raises(SceneError, match=f"it holds {said}; choose another folder"):
             run(tmp_path, "0.5", *more)
     assert contents(tmp_path) == {tmp_path / name: text.encode()}
+
+
+@pytest.mark.parametrize("more", [(), ("--overwrite",)])
+def test_a_single_run_is_not_let_into_the_folder_of_a_sweep(tmp_path, more):
+    run(tmp_path, "0.2")
+    before = contents(tmp_path)
+    with pytest.raises(SceneError, match="it holds sweep.jsonl, of a sweep; choose another folder"):
+        fretting.main([*coarse_arguments(tmp_path), *more])
+    assert contents(tmp_path) == before
 
 
 def test_a_run_of_another_scene_in_the_place_of_one_is_kept(swept, tmp_path):
