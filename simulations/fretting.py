@@ -10,7 +10,7 @@ from .command.stopping import stopping
 from .fem import parallel
 from .output import checkpoint
 from .output.files import OutputError
-from .output.folder import begin, claimed, files, go_on, refuse_changed
+from .output.folder import begin, claimed, files, go_on, lost_table, refuse_changed
 from .output.results import Results
 from .runs.checks import ChecksFailed
 from .runs.estimate import expectation
@@ -40,10 +40,13 @@ def main(
     if request.resume:
         on_root(lambda: refuse_changed(folder))
     if request.resume and on_root(lambda: checkpoint.is_complete(folder)):
+        lost = on_root(lambda: lost_table(folder))
+        if lost:
+            why = f"the run is complete, but its {lost} is missing"
+            raise SceneError(f"--resume {folder}: {why}; start again, in another folder or with --overwrite")
         if not request.quiet:
             say(f"{folder} is complete: nothing is left to do")
-        wanted = ("accuracy",) if request.scene.solver.accuracy is not None else ()  # the last, after the results
-        failing = on_root(lambda: checkpoint.failing_checks(folder, wanted))
+        failing = on_root(lambda: checkpoint.failing_checks(folder))
         if failing:
             raise ChecksFailed(f"checks that fail: {', '.join(failing)}")
         return
@@ -84,7 +87,8 @@ def go(simulation: Simulation, folder, progress: Progress, again: str):
         for entry in simulation.run():
             results.record(entry)
             progress.step(entry)
-    stopping.tell(f"the run is done: {folder}")
+    unjudged = "" if simulation.scene.solver.accuracy is None else ", but its accuracy is not judged"
+    stopping.tell(f"the run is done{unjudged}: {folder}")
     results.judge_accuracy(progress.say)
     if comm.rank == 0:
         progress.say(f"\n{results.table()}")

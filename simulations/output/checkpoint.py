@@ -191,17 +191,16 @@ def is_complete(folder: Path) -> bool:
     return bool(read_summary(folder).get("converged")) and not (folder / FOLDER / "memory.npz").exists()
 
 
-def failing_checks(folder: Path, wanted: tuple[str, ...]) -> list[str]:
-    """Names of the checks that a complete run does not pass, and of those ``wanted`` that were not made.
-
-    SceneError where its summary does not tell.
+def failing_checks(folder: Path) -> list[str]:
+    """Names of the checks that a complete run does not pass, with their causes; SceneError where its summary does not
+    tell.
     """
     try:
-        made = {name: check["holds"] for name, check in read_summary(folder)["checks"].items()}
+        checks = read_summary(folder)["checks"]
+        return [f"{name} ({c['cause']})" if c["cause"] else name for name, c in checks.items() if not c["holds"]]
     except (AttributeError, KeyError, TypeError):
         why = "the checks in summary.json are not as the run wrote them; it was changed afterwards"
         raise SceneError(f"--resume {folder}: {why}") from None
-    return [name for name, holds in made.items() if not holds] + [name for name in wanted if name not in made]
 
 
 def read_summary(folder) -> dict:

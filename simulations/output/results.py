@@ -6,7 +6,10 @@ from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
+import numpy as np
+
 from ..runs import report_data
+from ..runs.checks import Check
 from ..runs.estimate import judged, measured
 from ..runs.history import Entry
 from ..runs.reference import Tell
@@ -20,6 +23,7 @@ from .plots import plot_run
 from .table import table
 
 LONGEST_WRITE = 1.0  # s that a run which is stopped waits for a file that is being written
+NOT_JUDGED = "the accuracy was not judged, as the run was stopped at its end: --overwrite starts again"
 EVERY = 10.0  # seconds between two versions of the tables while the run goes on
 
 
@@ -116,6 +120,8 @@ class Results:
             with simulation.watch("output"):
                 self._write_tables()
             self.findings = report_data.find(simulation, self._tell)
+            if simulation.scene.solver.accuracy is not None:  # until it is judged, which may take as long as the run
+                self.findings.checks["accuracy"] = Check(np.nan, simulation.scene.solver.accuracy, NOT_JUDGED)
             with simulation.watch("files"):
                 self._plot()
             self._write_summary()

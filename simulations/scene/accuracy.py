@@ -10,7 +10,7 @@ their own, as their edges turn at more places.
 import csv
 from dataclasses import dataclass
 from functools import cache
-from math import isfinite
+from math import ceil, floor, isfinite, log10
 from pathlib import Path
 
 from .errors import SceneError
@@ -18,6 +18,7 @@ from .errors import SceneError
 TABLE = Path(__file__).with_name("accuracy.csv")
 FINEST_EDGE = 6e-5  # a, for k < 0: slip on thinner layers has ten times the error
 RESOLVED = 8  # edge facets in the slip zone, from which on its traction is about as good as that of a wider one
+LARGEST = 0.5  # of an accuracy that may be asked for
 MARGIN = 1.5  # loads and gradings between those measured; a and c are read between nodes, where errors change sign
 
 
@@ -97,10 +98,10 @@ def choose(accuracy: float, k: float, amplitude: float | None = 0.9, coupled: bo
         reason = f"k = {k:g} lies outside {low:g} ... {high:g}, where errors were measured"
         raise SceneError(f"solver.accuracy = {accuracy:g} is not allowed: {reason}")
     best = min(levels, key=lambda choice: choice.error)
-    raise SceneError(
-        f"solver.accuracy = {accuracy:g} is not allowed: the best measured for k = {k:g} is {best.error:.1e}"
-        f" (about {best.seconds:.0f} s)"
-    )
+    unit = 10.0 ** (floor(log10(best.error)) - 1)
+    promised = ceil(best.error / unit) * unit  # rounded up: it is to be a value that is allowed
+    what = f"{promised:.1e} (about {best.seconds:.0f} s)" if promised < LARGEST else f"{LARGEST:g} or more"
+    raise SceneError(f"solver.accuracy = {accuracy:g} is not allowed: the best measured for k = {k:g} is {what}")
 
 
 def expected(k: float, amplitude: float | None = 0.9, coupled: bool = False) -> list[Choice]:

@@ -5,6 +5,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, create_model, model_validator
 
+from .accuracy import LARGEST
 from .errors import SceneError
 from .fields import Integer, Length, Number, Truth, Unit, is_number, plain
 from .table import KINDS, Table, register
@@ -61,7 +62,7 @@ class Solver(Table):
     gamma0: Dimensionless = Field(
         default=10.0, ge=1e-3, le=1e6, description="Nitsche's parameter over m² E/((1−ν²) h), m = mesh.degree"
     )
-    accuracy: Annotated[Dimensionless, Field(gt=0, lt=0.5)] | None = Field(
+    accuracy: Annotated[Dimensionless, Field(gt=0, lt=LARGEST)] | None = Field(
         default=None, description="largest relative error wanted; chooses the mesh, see [cost.md](cost.md)"
     )
     theta: Dimensionless = Field(

@@ -9,6 +9,7 @@ from restarting import RUN, history
 from running import coarse_arguments
 
 from simulations import fretting, report
+from simulations.runs.checks import ChecksFailed
 from simulations.scene import SceneError
 
 
@@ -62,6 +63,28 @@ def test_a_summary_whose_checks_were_changed_is_refused(uninterrupted, tmp_path,
     summary = json.loads((folder / "summary.json").read_text())
     (folder / "summary.json").write_text(json.dumps(summary | {"checks": checks}))
     assert "the checks in summary.json are not as the run wrote them" in refusal(capfd, "--resume", folder)
+
+
+def test_a_complete_run_that_has_lost_a_table_is_refused(uninterrupted, tmp_path, capfd):
+    folder = shutil.copytree(uninterrupted, tmp_path / "ended")
+    (folder / "surface.h5").unlink()
+    assert "complete, but its surface.h5 is missing; start again" in refusal(capfd, "--resume", folder)
+
+
+def test_an_accuracy_that_was_not_judged_does_not_hold(tmp_path, monkeypatch):
+    """The run is stopped while a second mesh is solved for it: there is nothing left from which it could be judged."""
+
+    def stop(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("simulations.output.results.Results.judge_accuracy", stop)
+    short = ["--set", "load.cycles=0", "--set", "solver.increments=1"]
+    with pytest.raises(KeyboardInterrupt):
+        fretting.main(["--accuracy", "1e-2", *short, "--output", str(tmp_path / "run"), "--quiet"])
+    summary = json.loads((tmp_path / "run" / "summary.json").read_text())
+    assert summary["converged"] and not summary["checks_hold"] and summary["checks"]["accuracy"]["value"] is None
+    with pytest.raises(ChecksFailed, match=r"^checks that fail: accuracy \(the accuracy was not judged, .*--overwrite"):
+        fretting.main(["--resume", str(tmp_path / "run")])
 
 
 DAMAGE = {
