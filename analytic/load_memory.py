@@ -38,7 +38,7 @@ class LoadMemory:
 
     @property
     def below_limit(self):
-        """The load P(s) of the half-width s of the zone where |q| < mu p: beyond it all punches carry mu, of one sign."""
+        """The load P(s) of the half-width s of the zone where |q| < mu p: beyond all punches carry mu, or all -mu."""
         slopes = np.diff(self.Q) / np.diff(self.P) / self.mu
         last = slopes[-1] if len(slopes) and abs(slopes[-1]) > 1 - SAME_SLOPE else np.inf
         inside = np.flatnonzero(np.abs(slopes - last) > SAME_SLOPE)

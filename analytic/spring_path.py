@@ -62,7 +62,7 @@ class SpringState:
 
     @property
     def half_width_below_limit(self):
-        """Half-width of the zone where |q| < mu p [length]: another one where the loads go back on the way they came."""
+        """Half-width of the zone where |q| < mu p [length]: not what sticks where loads go back as they came."""
         return self.path.contact_under(self.memory.below_limit).a
 
     def pressure(self, x):

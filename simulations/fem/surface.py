@@ -51,8 +51,8 @@ class SurfaceState:
 
 
 class SurfaceSampler:
-    """Collects a SurfaceState from all ranks. problem: any on the body; uncoupled: the pressure's u_x is not slip, and the
-    traction's u_y no gap.
+    """Collects a SurfaceState from all ranks. problem: any on the body; uncoupled: the pressure's u_x is no slip,
+    and the traction's u_y no gap.
     """
 
     def __init__(self, problem: ContactProblem, uncoupled: bool = False):

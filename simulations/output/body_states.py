@@ -107,5 +107,7 @@ def _file_of(folder: Path, state: str | int) -> Path:
     if isinstance(state, int) and state in files:
         return files[state]
     if state not in names:
-        raise SceneError(f"{folder} has no fields of state {state!r}: there are {', '.join(names)}")
+        kind = "load step" if isinstance(state, int) else "state"
+        there = ", ".join(map(str, files)) if isinstance(state, int) else ", ".join(map(repr, names))
+        raise SceneError(f"{folder} has no fields of {kind} {state!r}: there are {there}")
     return names[state]

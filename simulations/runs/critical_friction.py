@@ -13,6 +13,7 @@ from ..scene.effects import Effects
 from ..scene.scene import Scene
 from .plan import Plan
 
+LONGER = 3.0  # times as long as an elastic slip that did not help
 ELASTIC_SLIP = 0.03  # over mu P/E(a): smooths what an edge of contact leaves, docs/stability.md
 
 
@@ -54,15 +55,19 @@ def numbers(critical: CriticalFriction | None) -> dict[str, float | str | None]:
     return {name: None if value == inf else value for name, value in values.items()}
 
 
-def why_no_answer(plan: Plan) -> str:
-    """What may leave a load step without an answer, and what can be done; "" where rates are unique."""
+def why_no_answer(plan: Plan, rubs: bool) -> str:
+    """What may leave a load step without an answer, and what can be done; "" where rates are unique. rubs: whether
+    there is friction in it.
+    """
     scene = plan.scene
     critical = expected(scene, plan.effects) if scene.friction else None
-    if critical is None or scene.mu <= critical.lower:
+    if not rubs or critical is None or scene.mu <= critical.lower:
         return ""
     return f"{describe(scene, critical)}; {elastic_slip(plan)} or a smaller load.mu may help"
 
 
 def elastic_slip(plan: Plan) -> str:
-    """The key with a value that may help."""
-    return f"effects.elastic_slip = {ELASTIC_SLIP * plan.mu * plan.scaled.scales.displacement:.1g} m"
+    """The key with a value that may help, longer than the one that the scene has."""
+    usual, tried = ELASTIC_SLIP * plan.mu * plan.scaled.scales.displacement, plan.scene.effects.elastic_slip or 0.0
+    length = max(usual, LONGER * tried)
+    return f"effects.elastic_slip = {length:.1g} m"

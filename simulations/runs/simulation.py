@@ -182,7 +182,7 @@ class Simulation(Plan):
                 with self.watch("solve"):
                     outcome = next(outcomes, None)
             except SolveError as error:
-                causes = failure_in_si(self, error), why_no_answer(self)
+                causes = failure_in_si(self, error), why_no_answer(self, self.solver.problem.friction)
                 raise SolveError("; ".join(filter(None, causes))) from None
             freeing.between_steps(self.body)
             if outcome is None:

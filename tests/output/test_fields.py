@@ -166,7 +166,7 @@ def test_the_gap_is_that_of_the_fields(folder):
 
 @pytest.mark.parametrize("k", [0.9, 0.6, 0.3, 0.0, -0.5])
 def test_the_energy_density_sums_to_the_energy(k, tmp_path):
-    """Of the finite elements, u·K u/2, but for what stresses vary within cells, though E varies by many orders there."""
+    """Of the finite elements, u·K u/2, but for what stresses vary in cells, though E varies by many orders there."""
     simulation = coarse_simulation(**(FINER | UNCOUPLED), solid__k=k, solid__nu=0.3).run_to_end()
     parts = simulation.numbering, simulation.scaled, simulation.schedule, simulation.scene.output
     last = len(simulation.schedule) - 1
@@ -298,7 +298,7 @@ def test_states_that_are_asked_for(states, found, tmp_path):
     fretting.main([*coarse_arguments(tmp_path, output__states=states, reference__kind='"none"'), "--quiet"])
     kept = [int(path.stem) for path in sorted((tmp_path / "fields").glob("0*.h5"))]
     assert kept[: len(found)] == found and (len(kept) == 11 or kept == found)
-    with pytest.raises(SceneError, match="no fields of state 'F': there are"):
+    with pytest.raises(SceneError, match="no fields of state 'F': there are '"):
         body_functions(tmp_path, "F", MPI.COMM_SELF)
 
 

@@ -27,7 +27,6 @@ def test_of_two_zones_of_stick_the_longest_counts_not_the_one_with_more_nodes():
     p, limit = np.sqrt(1.0 - np.minimum(x**2, 1.0)), 0.3
     slides = (np.abs(x + 0.9) < 0.05) | (np.abs(x - 0.65) < 0.05)
     q = np.where(slides, limit * p, 0.5 * limit * p)
-    zeros = np.zeros_like(x)
     surface = SurfaceState(x, np.gradient(x), p, q, np.zeros((2, len(x))), np.zeros(2), np.zeros((2, len(x))))
     left, right = fitted_stick_edges(surface, limit, 1, (0.5, 0.5))
     assert left == pytest.approx(-0.85, abs=0.05) and right == pytest.approx(0.6, abs=0.05)

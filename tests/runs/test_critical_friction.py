@@ -37,13 +37,21 @@ def test_a_run_that_zigzags_says_on_which_side_it_lies():
     simulation = coarse_simulation(**COUPLED, load__mu=0.3, load__cycles=0, solver__increments=1).run_to_end()
     surface = simulation.history.entries[-1].surface
     surface.traction[:] += 0.3 * surface.pressure * (-1.0) ** np.arange(surface.x.size)
-    found = check(simulation.history, lambda x: x**2 / 2, True, lambda: zigzags.cause(simulation))
+    found = check(simulation.history, lambda x: x**2 / 2, lambda: zigzags.cause(simulation))
     assert not found["traction zigzags"].holds and "mu = 0.3 is below" in found["traction zigzags"].cause
 
 
-@pytest.mark.parametrize("mu, told", [(0.3, "no equilibrium"), (2.0, "no equilibrium; mu = 2 is above the bounds")])
-def test_a_run_without_an_answer_says_so_where_rates_are_not_unique(monkeypatch, mu, told):
+ABOVE = "no equilibrium; mu = 2 is above the bounds"
+
+
+@pytest.mark.parametrize(
+    "mu, rubs, told", [(0.3, True, "no equilibrium"), (2.0, True, ABOVE), (2.0, False, "no equilibrium")]
+)
+def test_a_run_without_an_answer_says_so_where_rates_are_not_unique(monkeypatch, mu, rubs, told):
+    """And where there is friction in the load step: while the cylinder is pressed on there is none."""
     simulation = coarse_simulation(**COUPLED, load__mu=mu)
+    if rubs:
+        simulation.solver.problem = simulation.solver.frictional
 
     def fail(*_):
         raise SolveError("no equilibrium")
@@ -53,4 +61,11 @@ def test_a_run_without_an_answer_says_so_where_rates_are_not_unique(monkeypatch,
     with pytest.raises(SolveError) as failure:
         simulation.run_to_end()
     said = str(failure.value).partition("): ")[2]
-    assert said.startswith(told) and ("effects.elastic_slip = " in said) == (mu > 1) == (said != told)
+    assert said.startswith(told) and ("effects.elastic_slip = " in said) == (told == ABOVE) == (said != told)
+
+
+def test_a_longer_elastic_slip_is_advised_than_the_one_that_did_not_help():
+    first = critical_friction.elastic_slip(coarse_simulation(**COUPLED, load__mu=2.0))
+    tried = float(first.removeprefix("effects.elastic_slip = ").removesuffix(" m"))
+    second = critical_friction.elastic_slip(coarse_simulation(**COUPLED, load__mu=2.0, effects__elastic_slip=tried))
+    assert second == f"effects.elastic_slip = {3 * tried:.1g} m"
