@@ -106,8 +106,9 @@ class FieldWriter:
         return np.column_stack([u[:, 0], -u[:, 1], np.zeros(len(u))])
 
     def _cell_moduli(self, sample):
-        """E of each layer of cells that gives their energy. Where E is infinite on the surface strains are smooth: the mean
-        of E; elsewhere stresses are: 1 over the mean of 1/E.
+        """E of each layer of cells that gives their energy.
+
+        Where E is infinite on the surface strains are smooth: the mean of E. Elsewhere stresses are: 1/(mean of 1/E).
         """
         modulus, depth, s = self.scaled.modulus, sample.depth, sample.s
         y = depth.y(s)
