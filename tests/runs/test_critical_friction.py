@@ -2,14 +2,18 @@
 
 import numpy as np
 import pytest
+from mpi4py import MPI
+from running import COARSE
 from solving import coarse_simulation
 
+from simulations import Simulation, make_scene
 from simulations.loading.stepping import SolveError
 from simulations.runs import critical_friction, zigzags
 from simulations.runs.checks import check
 from simulations.runs.explain import explain
 from simulations.runs.report_data import find, summary
 
+SHORT = {"load.cycles": 0, "solver.increments": 1}
 COUPLED = {"solid__k": 0.0, "solid__nu": 0.0, "reference__kind": "none", "mesh__first_layer": 0.02}
 
 
@@ -62,6 +66,17 @@ def test_a_run_without_an_answer_says_so_where_rates_are_not_unique(monkeypatch,
         simulation.run_to_end()
     said = str(failure.value).partition("): ")[2]
     assert said.startswith(told) and ("effects.elastic_slip = " in said) == (told == ABOVE) == (said != told)
+
+
+def test_pressing_without_an_answer_says_that_the_surface_is_too_stiff():
+    """For k near -1; friction has no part in it."""
+    keys = {"solid.k": -0.95, "solid.nu": 0.3, "mesh.edge_facet": 5e-4, "mesh.first_layer": 5e-4}
+    simulation = Simulation(MPI.COMM_SELF, make_scene(COARSE | SHORT | keys))
+    with pytest.raises(SolveError, match="k is so close to -1 .* a larger mesh.first_layer") as said:
+        simulation.run_to_end()
+    assert "friction" not in str(said.value) and "load.mu or" not in str(said.value)
+    keys |= {"mesh.edge_facet": 3e-3, "mesh.first_layer": 3e-3}
+    Simulation(MPI.COMM_SELF, make_scene(COARSE | SHORT | keys)).run_to_end()
 
 
 def test_a_longer_elastic_slip_is_advised_than_the_one_that_did_not_help():
