@@ -203,7 +203,7 @@ def test_a_run_whose_scene_was_changed_stops_overwrite_before_anything_is_remove
     with open(tmp_path / "run-0002" / "scene.toml", "a") as file:
         file.write("# edited\nload.mu = 0.9\n")
     before = contents(tmp_path)
-    with pytest.raises(SceneError, match="run-0002: scene.toml is not as the run wrote it; it was changed afterwards"):
+    with pytest.raises(SceneError, match="scene.toml is not as the run wrote it; it was changed afterwards"):
         run(tmp_path, "0.3,0.4", "--folders", "--overwrite")
     assert contents(tmp_path) == before
 
