@@ -98,7 +98,7 @@ class EdgeSolver:
             aim, taken = y + step, self._valid(y + step, -step / 8, load)
             cuts = 0 if np.array_equal(taken, aim) else cuts + 1
             if cuts > CUTS:
-                self._refuse(aim, load)
+                raise ContactNotConverged(self._lack(aim, load))
             new = solution(taken)
             if not np.abs(new.amplitudes).max() < max(GROWTH * size, FREE):  # too long a step
                 longest, before = np.abs(taken - y).max() / 4, np.inf
@@ -149,19 +149,20 @@ class EdgeSolver:
         """Variables, so many times ``back`` from y, with which stick and slip are left inside the old contact."""
         for times in range(8):
             taken = y + times * np.asarray(back)
-            x_l, c_l, c_r, x_r = self._edges(taken, load)
-            outside = c_l <= self.base.contact[0] or c_r >= self.base.contact[1]
-            slips = min(c_l - x_l, x_r - c_r) > LEAST_SLIP * (x_r - x_l)
-            if c_r - c_l > LEAST_STICK * (x_r - x_l) and slips and not outside:
+            if not self._lack(taken, load):
                 return taken
-        return self._refuse(y, load)
+        raise ContactNotConverged(self._lack(y, load))
 
-    def _refuse(self, y, load):
+    def _lack(self, y, load):
+        """Why there can be no edges with these variables; "" where there can."""
         x_l, c_l, c_r, x_r = self._edges(y, load)
-        outside = c_l <= self.base.contact[0] or c_r >= self.base.contact[1]
-        closed = min(c_l - x_l, x_r - c_r) <= LEAST_SLIP * (x_r - x_l)
-        left = "slip is left at an edge" if closed else "stick is left between the zones of slip"
-        raise ContactNotConverged(ARRIVAL if outside else f"no {left}")
+        if c_l <= self.base.contact[0] or c_r >= self.base.contact[1]:
+            return ARRIVAL
+        if min(c_l - x_l, x_r - c_r) <= LEAST_SLIP * (x_r - x_l):
+            return "no slip is left at an edge"
+        if not c_r - c_l > LEAST_STICK * (x_r - x_l):  # nan too
+            return "no stick is left between the zones of slip"
+        return ""
 
 
 class Bracket:
