@@ -13,11 +13,6 @@ from ..scene.effects import Effects
 from ..scene.scene import Scene
 from .plan import Plan
 
-STIFFEST = -0.9  # k, below which pressing alone may fail
-STIFF = (
-    "k is so close to -1 that round-off of the stiff surface makes the tangent singular: a larger mesh.first_layer and "
-    "mesh.edge_facet, a smaller mesh.extent or mesh.degree = 1 may help"
-)
 LONGER = 3.0  # times as long as an elastic slip that did not help
 ELASTIC_SLIP = 0.03  # over mu P/E(a): smooths what an edge of contact leaves, docs/stability.md
 
@@ -60,13 +55,9 @@ def numbers(critical: CriticalFriction | None) -> dict[str, float | str | None]:
     return {name: None if value == inf else value for name, value in values.items()}
 
 
-def why_no_answer(plan: Plan, rubs: bool) -> str:
-    """What may leave a load step without an answer, and what can be done; "" where rates are unique. rubs: whether
-    there is friction in it.
-    """
+def why_no_answer(plan: Plan) -> str:
+    """What may leave a load step with friction without an answer, and what can be done; "" where rates are unique."""
     scene = plan.scene
-    if not rubs:
-        return STIFF if scene.k < STIFFEST else ""
     critical = expected(scene, plan.effects) if scene.friction else None
     if critical is None or scene.mu <= critical.lower:
         return ""

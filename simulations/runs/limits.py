@@ -6,7 +6,7 @@ Every limit is measured (docs/stability.md). All lengths are in contact half-wid
 """
 
 from collections.abc import Sequence
-from math import ceil, expm1, floor, log, log10, sqrt
+from math import ceil, expm1, log, log10, sqrt
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from analytic import FrettingLoop, PressingWithFriction
 from ..fem.contact_problem import ContactProblem
 from ..fem.mesh import Grading
 from ..loading.schedule import LoadStep
-from ..scene import Scene, SceneError, shown
+from ..scene import Scene, SceneError, rounded, shown
 from ..scene.output import NORMAL
 from ..scene.scaling import Scaled
 from ..scene.steepness import steepness_warning
@@ -34,6 +34,7 @@ LOWEST_EXPONENT = -300.0  # decimal logarithm of the smallest ordinary number is
 LEAST_SLIP_LOAD = 1e-7  # Q²/(mu P²): there the tolerance of loads changes the energy by 1 %, at 4e-9 by 27 %
 MOST_FRICTION = 1 - 1e-9  # |Q|/(mu P): nearer to 1 what sticks carries less than that tolerance, and slides away
 STABLE_GAMMA0 = 0.3  # below it the active set cycles (0.2 at k = 0) or fails (0.1 at k = 0.3), unless theta = -1
+STIFFEST = -0.9  # k, below which pressing alone may fail
 SAMPLES = 4001  # of a formula, up to the end of the domain
 
 
@@ -54,7 +55,7 @@ def check_loads(scene: Scene, schedule: Sequence[LoadStep]):
     if 0 < share < (least := sqrt(LEAST_SLIP_LOAD * scene.mu)):
         raise SceneError(
             f"Q is {share:.2g} P at most, too little beside the tolerance of loads, {FORCE_TOLERANCE:g} P: with "
-            f"load.mu = {scene.mu:g} it has to be {_digit(least, up=True):.0e} P or more ({key})"
+            f"load.mu = {scene.mu:g} it has to be {rounded(least, up=True):.0e} P or more ({key})"
         )
     if scene.friction and share > MOST_FRICTION * scene.mu:
         raise SceneError(
@@ -132,7 +133,7 @@ def check_resolution(scene: Scene, cells: Grading, loop: FrettingLoop | None):
         if slip < NARROWEST * facet:
             raise SceneError(
                 f"mesh.edge_facet = {cells.edge_facet:g} is too coarse: the slip zone is {slip:.2g} a wide at "
-                f"load.amplitude = {scene.load.amplitude} and needs {_digit(slip / NARROWEST):g} or less"
+                f"load.amplitude = {scene.load.amplitude} and needs {rounded(slip / NARROWEST):g} or less"
             )
     if scene.k >= 0:
         return
@@ -141,7 +142,8 @@ def check_resolution(scene: Scene, cells: Grading, loop: FrettingLoop | None):
     if size > needed:
         raise SceneError(
             f"mesh.{name} = {size:g} is too coarse for k = {scene.k:g}: tractions that end so steeply would be off by "
-            f"about {expected_error(scene.k, size):.0%}; {_digit(needed):g} or less keeps that below {MOST_AT_ENDS:.0%}"
+            f"about {expected_error(scene.k, size):.0%}; {rounded(needed):g} or less keeps that below "
+            f"{MOST_AT_ENDS:.0%}"
         )
 
 
@@ -158,7 +160,7 @@ def warnings_of(scene: Scene, cells: Grading, loop: FrettingLoop | None, scaled:
     if loop is not None and loop.c < NARROWEST_STICK * facet:
         found.append(
             f"mesh.edge_facet = {cells.edge_facet:g} is too coarse for c/a: the stick half-width is {loop.c:.2g} a at "
-            f"load.amplitude = {scene.load.amplitude} and needs {_digit(loop.c / NARROWEST_STICK):g} or less"
+            f"load.amplitude = {scene.load.amplitude} and needs {rounded(loop.c / NARROWEST_STICK):g} or less"
         )
     soft = scaled.elastic_compliance(scene) / 2
     if soft > LONG_ELASTIC_SLIP:
@@ -227,7 +229,7 @@ def check_round_off(scene: Scene, cells: Grading, problem: ContactProblem):
         raise SceneError(
             f"mesh.first_layer = {cells.first_layer:g} is too thin for k = {scene.k:g} and solver.gamma0 = "
             f"{scene.solver.gamma0:g}: round-off would leave forces of {attainable:.0e} P unbalanced "
-            f"({FORCE_TOLERANCE:.0e} is the aim); {_digit(thicker, up=True):g} or more would do"
+            f"({FORCE_TOLERANCE:.0e} is the aim); {rounded(thicker, up=True):g} or more would do"
         )
 
 
@@ -241,6 +243,16 @@ def too_wide(scene: Scene, strip: float) -> str:
     return words
 
 
+def too_stiff(scene: Scene) -> str:
+    """What to say of a load step without friction that has no answer; "" where k is not the reason."""
+    if scene.k >= STIFFEST:
+        return ""
+    return (
+        "k is so close to -1 that round-off of the stiff surface makes the tangent singular: a larger mesh.first_layer "
+        "and mesh.edge_facet, a smaller mesh.extent or mesh.degree = 1 may help"
+    )
+
+
 def coating_keys(scene: Scene) -> str:
     """Keys and values of a coating in a message; "" where there is none."""
     solid = scene.solid
@@ -250,9 +262,3 @@ def coating_keys(scene: Scene) -> str:
         ratio = solid.E_substrate / solid.E0
         return f"solid.thickness = {solid.thickness:.3g} m and solid.E_substrate = {ratio:.3g} solid.E0"
     return ""
-
-
-def _digit(value: float, up: bool = False) -> float:
-    """``value`` to one digit, down or up."""
-    unit = 10.0 ** floor(log10(value))
-    return (ceil if up else floor)(value / unit) * unit

@@ -34,6 +34,7 @@ from .limits import (
     check_round_off,
     check_size,
     hidden_peak,
+    too_stiff,
     too_wide,
     warnings_of,
 )
@@ -182,8 +183,8 @@ class Simulation(Plan):
                 with self.watch("solve"):
                     outcome = next(outcomes, None)
             except SolveError as error:
-                causes = failure_in_si(self, error), why_no_answer(self, self.solver.problem.friction)
-                raise SolveError("; ".join(filter(None, causes))) from None
+                cause = why_no_answer(self) if self.solver.problem.friction else too_stiff(self.scene)
+                raise SolveError("; ".join(filter(None, (failure_in_si(self, error), cause)))) from None
             freeing.between_steps(self.body)
             if outcome is None:
                 return

@@ -10,10 +10,10 @@ their own, as their edges turn at more places.
 import csv
 from dataclasses import dataclass
 from functools import cache
-from math import ceil, floor, isfinite, log10
+from math import isfinite
 from pathlib import Path
 
-from .errors import SceneError
+from .errors import SceneError, rounded
 
 TABLE = Path(__file__).with_name("accuracy.csv")
 FINEST_EDGE = 6e-5  # a, for k < 0: slip on thinner layers has ten times the error
@@ -98,8 +98,7 @@ def choose(accuracy: float, k: float, amplitude: float | None = 0.9, coupled: bo
         reason = f"k = {k:g} lies outside {low:g} ... {high:g}, where errors were measured"
         raise SceneError(f"solver.accuracy = {accuracy:g} is not allowed: {reason}")
     best = min(levels, key=lambda choice: choice.error)
-    unit = 10.0 ** (floor(log10(best.error)) - 1)
-    promised = ceil(best.error / unit) * unit  # rounded up: it is to be a value that is allowed
+    promised = rounded(best.error, 2, up=True)
     what = f"{promised:.1e} (about {best.seconds:.0f} s)" if promised < LARGEST else f"{LARGEST:g} or more"
     raise SceneError(f"solver.accuracy = {accuracy:g} is not allowed: the best measured for k = {k:g} is {what}")
 

@@ -1,5 +1,6 @@
 """The one-line refusal of a scene or command line, and how values are shown in it."""
 
+from math import ceil, floor, log10
 from pathlib import Path
 
 
@@ -14,6 +15,12 @@ def shown(value) -> str:
     """``value`` in one line of reasonable length: as it is written, paths and messages as they are."""
     text = one_line(str(value) if isinstance(value, Path) else repr(value))
     return text if len(text) < 80 else text[:76] + " ..."
+
+
+def rounded(value: float, digits: int = 1, up: bool = False) -> float:
+    """A positive ``value`` to so many digits, down or up: what is advised is to be allowed."""
+    unit = 10.0 ** (floor(log10(value)) + 1 - digits)
+    return (ceil if up else floor)(value / unit) * unit
 
 
 def one_line(text: str) -> str:
