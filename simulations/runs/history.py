@@ -127,7 +127,8 @@ class History:
     @property
     def last_cycle(self) -> list[Entry]:
         """Entries of the last full cycle, without the one it starts from."""
-        return [entry for entry in self.entries if entry.step.cycle == self._full_cycles]
+        cycle = self._full_cycles
+        return [entry for entry in self.entries if entry.step.cycle == cycle]
 
     @property
     def _full_cycles(self) -> int:

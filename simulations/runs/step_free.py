@@ -36,16 +36,16 @@ class StepFree(OfStates):
         tell: Tell | None = None,
     ):
         self._own = self._found(simulation, order, like)
-        reasons: dict[int | None, Exception] = {n: why for n, why in enumerate(map(missing, self._own)) if why}
+        reasons: dict[int | None, str] = {n: str(why) for n, why in enumerate(map(missing, self._own)) if why}
         energy = 0.0
         try:
             known(self._own[-1:])  # where no turn before is uncertain
             energy = last_cycle(self._own, simulation.schedule)
         except ContactNotConverged as failure:
-            reasons[None] = failure
+            reasons[None] = str(failure)
         if reasons and not (filled or like and reasons.keys() <= like.open.keys()):
-            raise NoReference(str(next(iter(reasons.values()))))
-        self.open: dict[int | None, Exception] = like.open if like else reasons  # by load step, None for the energy
+            raise NoReference(next(iter(reasons.values())))
+        self.open: dict[int | None, str] = like.open if like else reasons  # by load step, None for the energy
         self.gaps = [number for number in self.open if number is not None]
         self.lacks_energy = None in self.open
         self.between: MeshFree | None = None
