@@ -46,7 +46,7 @@ class BodySample:
 
     def stress_at(self, x, y) -> np.ndarray:
         """Stress xx, yy, xy, zz (n, 4) at x, depth y (n,): in each cell the polynomial through its Gauss points."""
-        nodes = _gauss(self.degree)[0]
+        nodes = gauss(self.degree)[0]
         column, along, row, down = self._places(x, y)
         inside = self.stress[row, column]
         values = np.einsum("ni,nj,nijk->nk", lagrange(nodes, down), lagrange(nodes, along), inside)
@@ -54,7 +54,7 @@ class BodySample:
 
     def mean_stress(self) -> np.ndarray:
         """Stress xx, yy, xy, zz (l-1, c-1, 4): the mean over the Gauss points of each cell."""
-        weights = _gauss(self.degree)[1]
+        weights = gauss(self.degree)[1]
         return np.einsum("i,j,rcijk->rck", weights, weights, self.stress)
 
     def _places(self, x, y):
@@ -111,7 +111,8 @@ def lagrange(nodes: np.ndarray, t: np.ndarray) -> np.ndarray:
     return values
 
 
-def _gauss(count):
+def gauss(count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Gauss points on 0 ... 1 and their weights (count,)."""
     nodes, weights = np.polynomial.legendre.leggauss(count)
     return (nodes + 1.0) / 2.0, weights / 2.0
 
@@ -120,7 +121,7 @@ def _fit(count):
     """Matrix (count, count + 1): values at ``count`` Gauss points of the polynomial of that many coefficients that is
     nearest, in L2, to values at ``count + 1``.
     """
-    (nodes, _), (given, weights) = _gauss(count), _gauss(count + 1)
+    (nodes, _), (given, weights) = gauss(count), gauss(count + 1)
     legendre = np.polynomial.legendre.legvander
     norms = 2 * np.arange(count) + 1
     return legendre(2 * nodes - 1, count - 1) @ (legendre(2 * given - 1, count - 1) * weights[:, None] * norms).T

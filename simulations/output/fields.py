@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..fem.body_sample import BodySample, BodySampler
+from ..fem.body_sample import BodySample, BodySampler, gauss
 from ..fem.numbering import Numbering
 from ..loading.schedule import LoadStep, load_parameter
 from ..scene.output import NORMAL, Output
@@ -114,10 +114,10 @@ class FieldWriter:
         y = depth.y(s)
         if modulus.is_singular:
             return modulus.layer_mean(y[:-1], y[1:])
-        points, weights = np.polynomial.legendre.leggauss(3)
-        at = s[:-1, None] + np.diff(s)[:, None] * (1 + points) / 2
-        flexibility = depth.stretch(at) / modulus.young(depth.y(at)) + 0 * at  # in ds: constant for a power law
-        return np.diff(y) / np.diff(s) / (flexibility @ weights / 2)
+        points, weights = gauss(3)
+        at = s[:-1, None] + np.diff(s)[:, None] * points
+        flexibility = depth.stretch(at) / modulus.young(depth.y(at))  # in ds: constant for a power law
+        return np.diff(y) / np.diff(s) / (np.broadcast_to(flexibility, at.shape) @ weights)
 
     def _stresses(self, stress, young):
         scales = self.scaled.scales

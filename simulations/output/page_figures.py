@@ -51,8 +51,8 @@ def surface(folder: Path, rows: list[dict]) -> bytes | None:
         varies = np.ptp(data["P_prescribed"][list(shown.values())]) > 0
         labels = [_label(state, data, place, varies) for state, place in shown.items()]
         title = left_out(len(shown), len(named))
-        columns = 3 if varies else len(labels)
-        figure.legend(axes[0, 0].lines, labels, loc="outside lower center", ncols=columns, title=title)
+        beside = columns if varies else len(labels)
+        figure.legend(axes[0, 0].lines, labels, loc="outside lower center", ncols=beside, title=title)
         return png(figure)
 
 
