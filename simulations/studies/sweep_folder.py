@@ -56,12 +56,13 @@ def _make_ready(folder, items, overwrite):
         # a run that was kept and has lost its scene would be refused as another's, and could never be solved again
         own = [Path(item.values["folder"]) for item in items if item.key in kept and "folder" in item.values]
         lost = [run_folder for run_folder in own if has_lost_scene(run_folder)]
-        runs = (*store.values(), *(item.values for item in items))
-        theirs = {folder / Path(values["folder"]).name for values in runs if "folder" in values}
-        replaced = sorted(path for path in theirs if path.exists()) if overwrite else lost
-        for run_folder in replaced:  # before anything is taken away
-            if not has_lost_scene(run_folder):
-                refuse_changed(run_folder)
+        replaced = lost
+        if overwrite:  # what the other sweep has and this one will have
+            runs = (*store.values(), *(item.values for item in items))
+            replaced = sorted({folder / Path(values["folder"]).name for values in runs if "folder" in values})
+            for run_folder in replaced:  # before anything is taken away
+                if not has_lost_scene(run_folder):
+                    refuse_changed(run_folder)
         for run_folder in replaced:
             remove_run(run_folder)
         if overwrite:

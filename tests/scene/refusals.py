@@ -1,7 +1,7 @@
 """Wrong scenes and command lines, and what the one line about each has to say.
 
 Run under mpirun by test_bad_input: ``python tests/scene/refusals.py`` tries all of them in the current folder on every
-rank and prints, as JSON, the line of each, the seconds it took and what it left behind.
+rank and prints, as JSON, the line of each.
 """
 
 import json
