@@ -22,6 +22,8 @@ from .special import (
     punch_rigid_displacement,
 )
 
+ROUND_OFF = 1e-12  # of the power with which the traction falls from a sharp tip, finite there if it is positive
+
 
 @dataclass(frozen=True)
 class PunchSuperposition:
@@ -95,7 +97,7 @@ class PunchSuperposition:
         below = beyond < 0
         result[below] = punch_nodes.abel_from_start(self, x[below, None]).integrate(self)
         if self.start == 0 and np.any(x == 0):
-            result[x == 0] = self._moment(self.k - 1) if self.power + self.k > 0 else inf
+            result[x == 0] = self._moment(self.k - 1) if self.power + self.k > ROUND_OFF else inf
         return result
 
     def _traction_within(self, x):

@@ -6,11 +6,11 @@ Every limit is measured (docs/stability.md). All lengths are in contact half-wid
 """
 
 from collections.abc import Sequence
-from math import ceil, expm1, log, log10, sqrt
+from math import ceil, expm1, inf, log, log10, sqrt
 
 import numpy as np
 
-from analytic import FrettingLoop, PressingWithFriction
+from analytic import FrettingLoop, GradedHalfPlane, PowerProfile, PressingWithFriction, normal_contact
 
 from ..fem.contact_problem import ContactProblem
 from ..fem.mesh import Grading
@@ -28,6 +28,7 @@ NARROWEST = 3.0  # slip zone over edge_facet: there the energy is off by 5 %, wi
 LONG_ELASTIC_SLIP = 0.1  # over mu P/E(a)
 NARROWEST_STICK = 5.0  # c over edge_facet: there c is off by 3 %, with 4 by 20 %, with 1 it is lost
 NARROWEST_PEAK = 20.0  # c of pressing with friction over the distance of nodes: the peak is 5 % low at 11
+BLUNTED = 0.01  # of the peak under a sharp tip, by which the mean over the distance of nodes may be lower
 MOST_AT_ENDS = 0.1  # estimated relative error of the traction from its steep ends alone
 LOWEST = 0.05  # the first layer's lowest Gauss point, over its height: 0.07 and more
 LOWEST_EXPONENT = -300.0  # decimal logarithm of the smallest ordinary number is -307.7
@@ -185,6 +186,27 @@ def hidden_peak(pressing: PressingWithFriction | None, spacing: float, scaled: S
     return (
         f"the pressure peaks at x = 0, {zone}, and nodes are {spacing:.2g} a apart there: the exact peak after "
         f"pressing is {peak}, the one of this mesh is lower, and it is not compared"
+    )
+
+
+def hidden_tip(order: float, k: float, spacing: float, exact: float | None) -> str:
+    """What to say of the pressure under a tip f ~ |x|^order, sharper than a parabola, that nodes ``spacing`` a apart
+    miss.
+
+    exact: the peak [Pa] where it is known. There p falls from it like |x|^(order+k-1), from an infinite one for
+    order + k <= 1. "" where the nodes show it.
+    """
+    if order >= 2.0:
+        return ""
+    tip = normal_contact(GradedHalfPlane(E0=1.0, nu=0.0, k=k, y0=1.0), PowerProfile(1.0, order), 1.0)
+    length = spacing * tip.a
+    if tip.pressure_within(length / 2) / length > (1 - BLUNTED) * tip.pressure(0.0):
+        return ""
+    peak = "not known" if exact is None else f"{exact:.3g} Pa" if exact < inf else "infinite"
+    return (
+        f"the pressure peaks at x = 0, under a tip f ~ |x|^{order:g}, and nodes are {spacing:.2g} a apart there: the "
+        f"exact peak under the largest load without coupling is {peak}, the one of this mesh is lower, and it is not "
+        "compared"
     )
 
 

@@ -34,6 +34,7 @@ from .limits import (
     check_round_off,
     check_size,
     hidden_peak,
+    hidden_tip,
     too_stiff,
     too_wide,
     warnings_of,
@@ -112,8 +113,11 @@ class Simulation(Plan):
         """What to say of a peak of the pressure that is too narrow for the mesh; "" where it has none."""
         x, _ = self.ordinates
         middle = np.searchsorted(x, 0.0)
-        spacing = (x[middle] - x[middle - 1]) / self.scene.mesh.degree
-        return hidden_peak(self.pressing_with_friction, float(spacing), self.scaled)
+        spacing = float(x[middle + 1] - x[middle]) / self.scene.mesh.degree
+        if words := hidden_peak(self.pressing_with_friction, spacing, self.scaled):
+            return words
+        peak = float(self.contact.pressure(0.0)) * self.scaled.scales.stress if self.contact else None
+        return hidden_tip(self.scaled.indenter.order, self.scene.k, spacing, peak)
 
     def _first_half_width(self) -> float:
         """Of the frictionless contact under the first load; of a coating not more than a, nearly."""

@@ -8,6 +8,7 @@ from analytic import CylinderContact, ProfileContact, SpringPath
 
 from ..loading.schedule import LoadStep
 from .history import Entry
+from .limits import BLUNTED
 
 
 def last_cycle(states: Sequence, schedule: Sequence[LoadStep]) -> float:
@@ -59,11 +60,17 @@ class Springs:
         return last_cycle(self._states, self._schedule)
 
     def _with_finite_tip(self, entry, x, value, within):
-        """``value`` at x. Under a sharp tip it is infinite: there the mean over the length of surface of the node."""
+        """``value`` at x. Under a sharp tip it may be infinite, or much above that of any node of the mesh: there the
+        mean over the length of surface of the node.
+        """
         nodes = entry.surface
         middle = np.abs(nodes.x).argmin()
         at_tip = np.abs(x) <= 1e-9 * nodes.weight[middle]
         if not self._is_sharp or not at_tip.any():
             return value(x)
         mean = within(nodes.weight[middle] / 2) / nodes.weight[middle]
+        with np.errstate(invalid="ignore"):  # 0 times an infinite pressure: the mean
+            exact = float(value(0.0))
+        if abs(mean - exact) <= BLUNTED * abs(exact) < np.inf:
+            mean = exact
         return np.where(at_tip, mean, value(np.where(at_tip, nodes.weight[middle], x)))

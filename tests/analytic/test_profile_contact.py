@@ -221,6 +221,8 @@ def test_partial_slip_of_any_profile(k, profile):
 def test_sharp_and_blunt_tips():
     """A wedge has infinite pressure at its tip for k <= 0 and a finite one for k > 0."""
     assert ProfileContact(solid_of(-0.1), PowerProfile(0.3, 1.0), 0.6).pressure(0.0) == np.inf
+    on_the_border = ProfileContact(solid_of(-0.3), PowerProfile(0.3, 1.3), 0.6)  # 0.3 = 1.3 - 1 to round-off alone
+    assert on_the_border.pressure(0.0) == np.inf
     pressure = ProfileContact(solid_of(0.6), PowerProfile(0.3, 1.0), 0.6).pressure
     assert pressure(0.0) == pytest.approx(pressure(1e-14), rel=1e-7)
 
