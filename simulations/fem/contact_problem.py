@@ -2,18 +2,15 @@
 
 from dataclasses import dataclass
 
-from dolfinx import fem
-
 import ufl
+from dolfinx import fem
 
 from forms import contact, weak_form
 from forms.contact import X, Y
 
 from .body import ElasticBody
 from .contact_terms import ContactTerms
-from .held_pressure import HeldPressure
-from .newton_safeguards import NewtonSafeguards
-from .slip_memory import SlipMemory
+from .point_fields import HeldPressure, NewtonSafeguards, SlipMemory
 from .surface_points import SurfacePoints
 
 

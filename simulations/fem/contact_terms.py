@@ -20,7 +20,7 @@ from forms import weak_form
 from forms.contact import X, Y
 
 from .body import ElasticBody
-from .held_pressure import HeldPressure
+from .point_fields import HeldPressure
 from .surface_points import PointExpression, SurfacePoints
 
 
