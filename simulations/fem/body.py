@@ -14,9 +14,8 @@ from forms.contact import X, Y
 from forms.modulus import with_parameters
 
 from .mesh import FAR, SURFACE, SYMMETRY
-from .spaces import create_spaces
+from .spaces import SurfaceNodes, create_space
 from .stiffness import assemble_stiffness, cell_heights, modulus_correction
-from .surface_nodes import SurfaceNodes
 
 # Integration at the displacement nodes makes each node carry its own contact force; with Gauss points between
 # them the semismooth Newton diverges on thin layers.
@@ -52,9 +51,8 @@ class ElasticBody:
     ):
         self.mesh, self.modulus, self.facets, self.mixed, self.degree = mesh, modulus, facets, mixed, degree
         self.depth = modulus.depth_map()
-        spaces = create_spaces(mesh, degree, mixed)
-        self.space, self.displacements, self.dofs = spaces.space, spaces.displacements, spaces.dofs
-        self.point_space = spaces.points
+        self.space, self.displacements, self.dofs = create_space(mesh, degree, mixed)
+        self.point_space = fem.functionspace(mesh, ("DG", degree))  # of one value at every node of every cell
         self.state = fem.Function(self.space, name="state")
         self.u, self.pi = self.split(self.state)
         self.delta = fem.Constant(mesh, np.zeros(2))
