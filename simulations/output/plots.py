@@ -5,10 +5,10 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 
+from ..runs.closed_forms import Springs
 from ..runs.comparison import Reference
 from ..runs.history import Entry, History
 from ..runs.simulation import Simulation
-from ..runs.springs import Springs
 from .page_words import quantity
 from .style import COLOURS, GREY, MARKERS, evenly, in_words, left_out, save, spread, style
 

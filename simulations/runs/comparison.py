@@ -6,6 +6,7 @@ from typing import Protocol
 import numpy as np
 
 from ..fem.surface import BAND, longest_zone
+from ..loading.schedule import LoadStep
 from .history import Entry, History, all_states
 
 ROUND_OFF = 1e-9  # of the largest pressure: smaller tractions are none
@@ -83,6 +84,12 @@ class OfStates:
     def dissipated_energy(self) -> float:
         """Of the last full cycle, where there is none since first contact."""
         return self._energy
+
+
+def last_cycle(states: Sequence, schedule: Sequence[LoadStep]) -> float:
+    """Energy dissipated in the last full cycle of ``schedule``, where there is none since first contact."""
+    before = [state for state, step in zip(states, schedule) if step.cycle < schedule[-1].cycle]
+    return states[-1].dissipated_energy - (before[-1].dissipated_energy if before else 0.0)
 
 
 def relative_l2(weight, computed, exact) -> float:

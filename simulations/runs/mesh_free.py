@@ -11,11 +11,10 @@ from analytic import PressingWithFriction
 
 from ..fem.load import Load
 from ..loading.schedule import LoadStep, pressed_first, pressing
-from .comparison import NoReference, OfStates
+from .comparison import NoReference, OfStates, last_cycle
 from .expected_edges import half_plane_solver
 from .limits import coating_keys
 from .simulation import Simulation
-from .springs import last_cycle
 
 Tell = Callable[[int, int], None]  # load steps done, and all of them
 NODES = (400, 300)  # the next number is tried where one does not converge

@@ -9,13 +9,12 @@ from math import ceil, log2
 import numpy as np
 
 from .checks import ERRORS
+from .closed_forms import Springs, StretchedForm
 from .comparison import NoReference, Reference, own_errors
 from .coupled_loop import grades, serves
 from .mesh_free import FEWER_NODES, FINER, MeshFree, Tell, steps_for_one
 from .simulation import Simulation
-from .springs import Springs
 from .step_free import StepFree
-from .stretched import StretchedForm
 
 HALVINGS = 3  # of the load steps of a mesh-free solution that is known too badly to judge a run
 ROUGH_TIMES, ROUGH_INCREMENTS = 20.0, 20  # of a load step over one of the rough edges' of a loop, which makes so many

@@ -4,11 +4,10 @@ from analytic.coupled.loop import ORDER, known, missing
 from analytic.coupled.state import CoupledState
 from analytic.half_plane.linear import ContactNotConverged
 
-from .comparison import NoReference, OfStates
+from .comparison import NoReference, OfStates, last_cycle
 from .coupled_loop import loop_of, states_of
 from .mesh_free import FEWER_NODES, MeshFree, Tell
 from .simulation import Simulation
-from .springs import last_cycle
 
 LOWER = 2  # by which the order is lower for the estimate of the error
 

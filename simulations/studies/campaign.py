@@ -15,12 +15,12 @@ from ..command.command import comm, on_root, run, say
 from ..loading.stepping import SolveError
 from ..output import style
 from ..output.files import write_table, write_text
+from ..runs.closed_forms import Springs
 from ..runs.comparison import NoReference, Reference, apart, compare, compare_state
 from ..runs.history import all_states
 from ..runs.mesh_free import MeshFree, steps_for_one
 from ..runs.reference import of_same_physics
 from ..runs.simulation import Simulation
-from ..runs.springs import Springs
 from ..runs.step_free import StepFree
 from ..scene import SceneError, make_scene
 from .commandline import make_folders, study_parser

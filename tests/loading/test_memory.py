@@ -13,13 +13,13 @@ from simulations.api import make_scene
 from simulations.loading import anchors
 from simulations.loading.stepping import LoadStepping
 from simulations.runs import checks, comparison
+from simulations.runs.closed_forms import Springs
 from simulations.runs.comparison import compare, compare_state, own_errors, relative_l2
 from simulations.runs.estimate import Solved
 from simulations.runs.history import all_states
 from simulations.runs.mesh_free import MeshFree
 from simulations.runs.reference import describe, of_same_physics
 from simulations.runs.simulation import Simulation
-from simulations.runs.springs import Springs
 
 MESH = COARSE | {
     "mesh.facet": 0.05,

@@ -10,12 +10,12 @@ from solving import coarse_simulation, solved
 from simulations import fretting
 from simulations.fem.body_sample import BodySampler
 from simulations.loading.schedule import rocking, stretched
+from simulations.runs.closed_forms import StretchedForm
 from simulations.runs.comparison import compare, relative_l2, worst
 from simulations.runs.energy import EnergyMeter, worst_defect
 from simulations.runs.mesh_free import MeshFree, equal_shares, refined
 from simulations.runs.reference import of_same_physics
 from simulations.runs.simulation import Simulation
-from simulations.runs.stretched import StretchedForm
 from simulations.scene import SceneError, make_scene, parse
 
 UNCOUPLED = (ROOT / "scenes" / "uncoupled.toml").read_text(encoding="utf-8")

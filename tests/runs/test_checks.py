@@ -13,10 +13,10 @@ from solving import coarse_simulation, solved
 
 from simulations.output.table import table
 from simulations.runs import checks, report_data
+from simulations.runs.closed_forms import Springs
 from simulations.runs.comparison import worst
 from simulations.runs.energy import EnergyMeter, worst_defect
 from simulations.runs.mesh_free import MeshFree
-from simulations.runs.springs import Springs
 
 
 @pytest.fixture(scope="module")

@@ -4,9 +4,9 @@ import pytest
 from mpi4py import MPI
 from solving import coarse_simulation
 
+from simulations.runs.closed_forms import Springs
 from simulations.runs.comparison import compare_state, worst
 from simulations.runs.simulation import Simulation
-from simulations.runs.springs import Springs
 from simulations.scene import DEFAULT_SCENE, parse
 
 UNCOUPLED = {"effects__coupling": "false", "solid__nu": 0.3}
