@@ -40,7 +40,6 @@ from .limits import (
     warnings_of,
 )
 from .plan import Plan
-from .reuse import why_not
 from .timing import Stopwatch
 
 # The far field that vanishes at infinity is a rigid translation of order 1/k and little else where k > 0 is small: its
@@ -63,28 +62,27 @@ class Simulation(Plan):
         watch: Stopwatch | None = None,
         tolerance: float = FORCE_TOLERANCE,
     ):
-        """cells: of the mesh, where they are not those of the scene; like: a simulation of the same solid, whose
-        mesh, stiffness and compliance this one takes over where they do (``reuse.why_not``), whatever its loads,
-        friction and cylinder: it then ends that one; watch: what measures the phases; tolerance: Newton's, of forces
-        and loads over P.
+        """cells: of the mesh, where they are not those of the scene; like: a simulation whose mesh, stiffness and
+        compliance this one takes over where its own would be equal (``graded_for``): it then ends that one; watch:
+        what measures the phases; tolerance: Newton's, of forces and loads over P.
         """
         super().__init__(scene, watch or Stopwatch())
-        # what the mesh was graded for
-        self.mesh_of: tuple | None = like.mesh_of if like else None if cells else self.graded_for
+        self.mesh_of = None if cells else self.graded_for  # what the mesh was graded for, where that is known
+        shared = like if like and self.mesh_of and self.mesh_of == like.mesh_of else None
         check_parameters(scene)
         check_loads(scene, self.schedule)
         check_output(scene, self.schedule, self.extent)
-        if like is None:
+        if shared is None:
             freeing.earlier(comm)
             with self.watch("mesh"):
                 self.cells = cells or on_root(comm, self.grading)
                 mesh, facets = self._mesh(comm)
         with self.watch("forms"):  # compiles them the first time
-            if like is None:
+            if shared is None:
                 self.body = self._body(mesh, facets)
                 freeing.later(self.body)
             else:
-                self._take_over(like)
+                self._take_over(shared)
             normal, frictional = self._problems()
         pressing, indenter = self.pressing_with_friction, self.scaled.indenter
         self.solver = LoadStepping(
@@ -170,10 +168,7 @@ class Simulation(Plan):
         )
 
     def _take_over(self, other: "Simulation"):
-        """The body of ``other``, at rest; ValueError where this scene cannot be run on it."""
-        reason = why_not(other, other.cells, other.mesh_of, self)
-        if reason:
-            raise ValueError(f"the body cannot be taken over: {reason}")
+        """The body of ``other``, at rest."""
         self.cells, self.ordinates, self.body = other.cells, other.ordinates, other.body
         self.body.reset()
         if other.scene.solver.method == "condensed":

@@ -22,10 +22,8 @@ from ..output.folder import begin, claimed, is_run_of
 from ..output.results import Results
 from ..runs import comparison
 from ..runs.estimate import judged, measured
-from ..runs.plan import Plan
 from ..runs.report_data import Findings, find
 from ..runs.simulation import Simulation
-from ..runs.timing import Stopwatch
 from ..scene import DEFAULT_SCENE, Scene, SceneError, parse, shown
 from ..scene.effects import Effects
 from .engine import FAILED, Item, Row, run_all
@@ -121,7 +119,7 @@ def _with_status(row: Row) -> Row:
 
 
 def _solid(changes: Changes) -> str:
-    """Cases that may share a body are neighbours when sorted by it; ``prepared`` decides."""
+    """Cases that may share a body are neighbours when sorted by it; ``Plan.graded_for`` decides."""
     return json.dumps({key: value for key, value in sorted(changes.items()) if key not in SCALES})
 
 
@@ -133,7 +131,7 @@ def run_scene(values: Row) -> Row:
     start = time.perf_counter()
     scene = parse(values["text"], tuple(values["set"]))
     previous = _kept.pop() if _kept else None
-    simulation = prepared(scene, previous)
+    simulation = Simulation(MPI.COMM_SELF, scene, like=previous)
     del previous
     if "folder" in values:
         folder = Path(values["folder"])
@@ -152,13 +150,6 @@ def run_scene(values: Row) -> Row:
     row = numbers(simulation, findings)
     _kept.append(simulation)
     return row | {"seconds": round(time.perf_counter() - start, 3)}
-
-
-def prepared(scene: Scene, previous: Simulation | None) -> Simulation:
-    """The simulation of a scene, with the body of the previous one where that is its own, to round-off."""
-    mesh_of = previous.mesh_of if previous else None
-    is_same = mesh_of is not None and Plan(scene, Stopwatch()).graded_for == mesh_of
-    return Simulation(MPI.COMM_SELF, scene, like=previous if is_same else None)
 
 
 def compile_forms(items: list[Item]):

@@ -1,4 +1,4 @@
-"""A body is taken over by scenes of the same solid that ask for the same mesh, and refused to all others."""
+"""A body is taken over by scenes whose solid and mesh are the same, and by no others."""
 
 from time import sleep
 
@@ -10,45 +10,72 @@ from running import COARSE
 from simulations.runs.simulation import Simulation
 from simulations.runs.timing import Stopwatch
 from simulations.scene import make_scene
+from simulations.solvers.condensed import schur
 
-BASE = COARSE | {"load.cycles": 0, "solid.y0": 0.01}
+BASE = COARSE | {"load.cycles": 0, "solid.y0": 0.01, "solid.nu": 0.3}
+UNCOUPLED = BASE | {"effects.coupling": False}
+STRAINED, ELASTIC = UNCOUPLED | {"load.bulk_strain": 1e-4}, UNCOUPLED | {"effects.elastic_slip": 2e-7}
+NO_LOOP = dict.fromkeys(("load.P", "load.amplitude", "load.cycles"))
+PATH = BASE | NO_LOOP | {"load.points": [[1e6, 0.0], [1e6, 1e5], [6e5, 1e5]], "effects.elastic_slip": 2e-7}
+
+
+def made(keys, like=None) -> Simulation:
+    return Simulation(MPI.COMM_SELF, make_scene(keys), like=like)
 
 
 @pytest.fixture(scope="module")
 def first():
-    return Simulation(MPI.COMM_SELF, make_scene(BASE))
+    return made(UNCOUPLED)
 
 
 @pytest.mark.parametrize(
-    "changes, reason",
+    "changes, is_shared",
     [
-        ({"solid.nu": 0.2}, "another solid"),
-        ({"solid.k": 0.2}, "another solid"),
-        ({"mesh.degree": 3}, "mesh.degree = 3, not 2"),
-        ({"mesh.facet": 0.05}, "mesh.facet = 0.05, not 0.1"),
-        ({"mesh.edge_facet": 0.01}, "mesh.edge_facet = 0.01, not 0.02"),
-        ({"mesh.growth": 1.4}, "mesh.growth = 1.4, not 1.6"),
-        ({"mesh.layer_growth": 1.4}, "mesh.layer_growth = 1.4, not 1.6"),
-        ({"mesh.first_layer": 0.01}, "mesh.first_layer = 0.01, not 0.02"),
-        ({"mesh.extent": 30}, "mesh.extent = 30, not 20"),
-        ({"mesh.edges": "states"}, "too coarse where contact or stick may end, at x = 0.895 a"),
-        ({"load.amplitude": 0.6}, "too coarse where contact or stick may end, at x = 0.856 a"),
-        ({"load.amplitude": 0.05}, "too coarse"),
-        ({"load.mu": None, "load.amplitude": None, "load.cycles": None}, "symmetry is on in one of them only"),
+        ({"load.mu": 0.5}, True),
+        ({"load.P": 2e6}, True),
+        ({"load.amplitude": 0.5}, False),
+        ({"load.cycles": 1}, False),
+        ({"load.mu": None, "load.amplitude": None, "load.cycles": None}, False),
+        ({"solver.increments": 12}, False),
+        ({"solid.k": 0.2}, False),
+        ({"solid.nu": 0.2}, False),
+        ({"mesh.facet": 0.05}, False),
+        ({"mesh.degree": 3}, False),
+        ({"mesh.edges": "states"}, False),
+        ({"effects.coupling": True}, False),
+        ({"indenter.profile": "circle"}, False),
     ],
 )
-def test_what_is_refused(first, changes, reason):
-    scene = make_scene(BASE | changes)
-    with pytest.raises(ValueError, match="the body cannot be taken over: ") as error:
-        Simulation(MPI.COMM_SELF, scene, like=first)
-    assert reason in str(error.value)
+def test_friction_load_and_cylinder_alone_only_scale_an_uncoupled_contact(first, changes, is_shared):
+    assert (made(UNCOUPLED | changes, first).body is first.body) == is_shared
+
+
+@pytest.mark.parametrize(
+    "keys, changes",
+    [
+        (BASE, {"load.mu": 0.5}),
+        (STRAINED, {"load.P": 1.1e6}),
+        (STRAINED, {"load.P": 2e6}),
+        (STRAINED, {"load.mu": 0.5}),
+        (ELASTIC, {"load.mu": 0.5}),
+        (PATH, {"solid.E0": 70e9}),
+    ],
+)
+def test_a_body_is_not_shared_where_the_edges_are_others(keys, changes):
+    """With coupling friction moves them; strain and elastic slip are values of their own, which nothing scales."""
+    one = made(keys)
+    other = made(keys | changes, one)
+    assert other.body is not one.body and other.cells != one.cells
 
 
 def test_what_is_reused_has_the_numbers_of_its_own_body(first):
-    scene = make_scene(BASE | {"load.mu": 0.5, "solid.E0": 70e9, "load.P": 2e6})
-    shared = Simulation(MPI.COMM_SELF, scene, like=first).run_to_end()
-    alone = Simulation(MPI.COMM_SELF, scene).run_to_end()
-    assert shared.body is first.body
+    """Without another factorisation."""
+    changed = UNCOUPLED | {"load.mu": 0.5, "solid.E0": 70e9, "load.P": 2e6, "indenter.R": 0.2}
+    first.run_to_end()
+    before = schur.factorisations
+    shared = made(changed, first).run_to_end()
+    assert shared.body is first.body and schur.factorisations == before
+    alone = made(changed).run_to_end()
     for mine, own in zip(shared.history.entries, alone.history.entries, strict=True):
         for name in ("pressure", "traction"):
             one, other = getattr(mine.surface, name), getattr(own.surface, name)

@@ -8,7 +8,7 @@ from running import ROOT
 from solving import coarse_simulation, solved
 
 from simulations.fem.mesh import Grading
-from simulations.scene import DEFAULT_SCENE, accuracy
+from simulations.scene import accuracy
 from simulations.solvers.condensed import schur
 from simulations.solvers.condensed.mirror import parts
 from simulations.solvers.condensed.tangent import DenseTangent
@@ -84,41 +84,6 @@ def test_dense_steps_reuse_what_they_know(monkeypatch):
     kept = further_products()
     monkeypatch.setattr(DenseTangent, "_known_rows", DenseTangent._full_rows)
     assert kept < 0.1 * further_products()
-
-
-def test_a_further_loop_takes_the_body_over():
-    """Other friction and cylinder on the same solid: no factorisation, the numbers of a run of its
-    own.
-    """
-    other = DEFAULT_SCENE.replace("mu = 0.3", "mu = 0.5").replace("R = 0.1", "R = 0.2")
-    first = solved()
-    alone = coarse_simulation(
-        other.replace("y0_over_a0 = 10.0", f"y0 = {first.scene.solid.y0!r}"), cells=first.cells
-    )
-    for _ in alone.run():
-        pass
-
-    def again():
-        simulation = coarse_simulation(
-            other.replace("y0_over_a0 = 10.0", f"y0 = {first.scene.solid.y0!r}"), like=first
-        )
-        for _ in simulation.run():
-            pass
-        return simulation
-
-    count, further = factorisations(again)
-    assert count == 0
-    assert further.body is first.body
-    assert further.history.dissipated_energy == pytest.approx(alone.history.dissipated_energy, rel=1e-9)
-    for one, own in zip(further.history.entries, alone.history.entries, strict=True):
-        scale = own.surface.pressure.max()
-        assert one.surface.traction == pytest.approx(own.surface.traction, abs=1e-8 * scale)
-
-
-def test_another_solid_is_refused():
-    first = coarse_simulation()
-    with pytest.raises(ValueError, match="another solid"):
-        coarse_simulation(solid__nu=0.2, like=first)
 
 
 def test_only_what_was_measured_is_calibrated(tmp_path, monkeypatch):

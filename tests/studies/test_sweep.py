@@ -13,16 +13,14 @@ from multiprocessing import get_context
 
 import pytest
 from coarse_sweep import COARSE_SETS, VARY, arguments, rows_of
-from running import COARSE, MPI_ENVIRONMENT, ROOT, run_command
+from running import MPI_ENVIRONMENT, ROOT, run_command
 from solving import coarse_simulation
 
 from simulations import SceneError, sweep
 from simulations.runs import checks, comparison, reference
 from simulations.runs.reference import closed_form
 from simulations.runs.report_data import find
-from simulations.scene import DEFAULT_SCENE, make_scene, parse
 from simulations.studies import sweeping
-from simulations.studies.sweeping import prepared
 
 MEASURED = ("seconds",)
 
@@ -110,7 +108,7 @@ def test_a_row_is_the_scene_alone(table):
 
 
 def test_a_body_is_shared_where_it_is_the_same(monkeypatch):
-    """Friction, load, cylinder and modulus only scale an uncoupled contact; amplitude and grading change the mesh."""
+    """Friction and cylinder only scale an uncoupled contact."""
     bodies = []
     run_one = sweeping.run_scene
 
@@ -122,43 +120,6 @@ def test_a_body_is_shared_where_it_is_the_same(monkeypatch):
     monkeypatch.setattr(sweeping, "run_scene", watched)
     sweep(vary={"load.mu": [0.2, 0.5], "indenter.R": [0.1, 0.2]}, sets=(*COARSE_SETS, "solid.k=0"))
     assert len(bodies) == 4 and len(set(bodies)) == 1
-    first = coarse_simulation(effects__coupling="false")
-    for change, shared in (
-        ("load.mu=0.5", True),
-        ("load.P=2e6", True),
-        ("load.amplitude=0.5", False),
-        ("load.cycles=2", False),
-        ("solver.increments=12", False),
-        ("solid.k=0.2", False),
-        ("mesh.facet=0.05", False),
-        ("effects.coupling=true", False),
-        ('indenter.profile="circle"', False),
-    ):
-        simulation = prepared(parse(DEFAULT_SCENE, (*COARSE_SETS, change)), first)
-        assert (simulation.body is first.body) == shared, change
-
-
-COUPLED = COARSE | {"solid.nu": 0.3}
-NO_LOOP = {"load.P": None, "load.amplitude": None, "load.cycles": None}
-PATH = NO_LOOP | {"load.points": [[1e6, 0.0], [1e6, 1e5], [6e5, 1e5]]}
-
-
-@pytest.mark.parametrize(
-    "keys, changes",
-    [
-        (COUPLED, {"load.mu": 0.5}),
-        (COARSE | {"load.bulk_strain": 1e-4}, {"load.P": 1.1e6}),
-        (COARSE | {"load.bulk_strain": 1e-4}, {"load.P": 2e6}),
-        (COARSE | {"load.bulk_strain": 1e-4}, {"load.mu": 0.5}),
-        (COARSE | {"effects.elastic_slip": 2e-7}, {"load.mu": 0.5}),
-        (COUPLED | PATH | {"effects.elastic_slip": 2e-7}, {"solid.E0": 70e9}),
-    ],
-)
-def test_a_body_is_not_shared_where_the_edges_are_others(keys, changes):
-    """Strain and elastic slip are values of their own: load, modulus and friction do not only scale them."""
-    first = prepared(make_scene(keys), None)
-    other = prepared(make_scene(keys | changes), first)
-    assert other.body is not first.body and other.cells != first.cells
 
 
 def test_a_failed_scene_is_a_row(tmp_path):
