@@ -31,16 +31,34 @@ def environment() -> dict[str, str]:
     return os.environ | MPI_ENVIRONMENT | {"PYTHONPATH": str(ROOT)}
 
 
-def run_command(
-    *arguments, ranks: int = 1, cwd=ROOT, timeout=600, module="simulations.fretting"
-) -> subprocess.CompletedProcess:
-    """``python -m module`` with ``arguments`` on ``ranks``, its output as text."""
-    command = [sys.executable, "-m", module, *map(str, arguments)]
-    if ranks > 1:
-        command = [shutil.which("mpirun"), "-n", str(ranks), *command]
-    return subprocess.run(
-        command, cwd=cwd, env=environment(), timeout=timeout, text=True, capture_output=True, stdin=subprocess.DEVNULL
+def python(*words, ranks: int = 1) -> list[str]:
+    """A command line of Python, -m MODULE, -c CODE or a file with arguments, on ``ranks``."""
+    command = [sys.executable, *map(str, words)]
+    return command if ranks == 1 else [shutil.which("mpirun"), "-n", str(ranks), *command]
+
+
+def run_python(*words, ranks: int = 1, cwd=ROOT, timeout=600) -> subprocess.CompletedProcess:
+    """``python(*words)`` run to its end, its output as text."""
+    how = {"cwd": cwd, "env": environment(), "timeout": timeout, "text": True, "capture_output": True}
+    return subprocess.run(python(*words, ranks=ranks), stdin=subprocess.DEVNULL, **how)
+
+
+def run_command(*arguments, module="simulations.fretting", **how) -> subprocess.CompletedProcess:
+    """``python -m module`` with ``arguments``; how: ranks, cwd, timeout."""
+    return run_python("-m", module, *arguments, **how)
+
+
+def start_python(*words, ranks: int = 1, **streams) -> subprocess.Popen:
+    """``python(*words)`` begun; streams: stdout, stderr, text."""
+    return subprocess.Popen(
+        python(*words, ranks=ranks), cwd=ROOT, env=environment(), stdin=subprocess.DEVNULL, **streams
     )
+
+
+def ranks_of(pid: int) -> list[int]:
+    """Processes of the ranks under an mpirun."""
+    children = Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
+    return sorted(int(c) for c in children if b"simulations." in Path(f"/proc/{c}/cmdline").read_bytes())
 
 
 def coarse_arguments(folder, **changes) -> list[str]:

@@ -3,13 +3,11 @@
 import os
 import pty
 import re
-import subprocess
-import sys
 import warnings
 from types import SimpleNamespace
 
 import pytest
-from running import MPI_ENVIRONMENT, ROOT, coarse_arguments, run_command
+from running import coarse_arguments, run_command, start_python
 
 from simulations.command import command, progress
 from simulations.runs.reference import expected_seconds
@@ -61,9 +59,7 @@ def test_quiet(tmp_path):
 
 def test_on_a_terminal_one_line_is_written_over(tmp_path):
     leader, follower = pty.openpty()
-    words = [sys.executable, "-m", "simulations.fretting", *coarse_arguments(tmp_path)]
-    environment = os.environ | MPI_ENVIRONMENT | {"PYTHONPATH": str(ROOT)}
-    process = subprocess.Popen(words, cwd=ROOT, env=environment, stdout=follower, stdin=subprocess.DEVNULL)
+    process = start_python("-m", "simulations.fretting", *coarse_arguments(tmp_path), stdout=follower)
     os.close(follower)
     said = b""
     try:

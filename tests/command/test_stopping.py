@@ -3,18 +3,15 @@
 import json
 import os
 import random
-import shutil
 import signal
-import subprocess
-import sys
 import threading
 import time
-from pathlib import Path
+from subprocess import PIPE
 
 import h5py
 import numpy as np
 import pytest
-from running import MPI_ENVIRONMENT, ROOT, coarse_arguments, run_command
+from running import coarse_arguments, ranks_of, run_command, start_python
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGKILL)
 MOMENTS = {1: 12, 2: 8}  # by ranks
@@ -22,13 +19,8 @@ LINE = ("go on with python -m simulations.fretting --resume", "start again with 
 DONE = "the run is done"
 
 
-def start(*arguments, ranks=1, python=(), module="simulations.fretting"):
-    command = [sys.executable, "-u", *python, "-m", module, *map(str, arguments)]
-    if ranks > 1:
-        command = [shutil.which("mpirun"), "-n", str(ranks), *command]
-    environment = os.environ | MPI_ENVIRONMENT | {"PYTHONPATH": str(ROOT)}
-    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "stdin": subprocess.DEVNULL}
-    return subprocess.Popen(command, cwd=ROOT, env=environment, **pipes)
+def start(*arguments, ranks=1, options=(), module="simulations.fretting"):
+    return start_python("-u", *options, "-m", module, *arguments, ranks=ranks, stdout=PIPE, stderr=PIPE)
 
 
 def stopped(process, victim, number, after):
@@ -46,12 +38,6 @@ def stopped(process, victim, number, after):
         return process.returncode, said.decode()
     finally:
         watchdog.cancel()
-
-
-def ranks_of(pid):
-    """Processes of the ranks under an mpirun."""
-    children = Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
-    return sorted(int(c) for c in children if b"simulations." in Path(f"/proc/{c}/cmdline").read_bytes())
 
 
 def surface(folder):
@@ -125,7 +111,7 @@ def check_ending(code, said, number, ranks):
 
 
 def test_stopped_while_the_libraries_are_loaded(tmp_path):
-    process = start(*coarse_arguments(tmp_path / "run"), python=("-X", "importtime"))
+    process = start(*coarse_arguments(tmp_path / "run"), options=("-X", "importtime"))
     while "petsc4py" not in (line := process.stderr.readline().decode()):
         assert line
     process.send_signal(signal.SIGINT)

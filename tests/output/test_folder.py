@@ -2,14 +2,12 @@
 
 import json
 import os
-import shutil
-import subprocess
-import sys
 import time
+from subprocess import PIPE
 
 import pytest
 from restarting import RUN, assert_same
-from running import MPI_ENVIRONMENT, ROOT, coarse_arguments, environment, run_command
+from running import ROOT, coarse_arguments, run_command, run_python, start_python
 
 from simulations import fretting
 from simulations.output import lock
@@ -111,12 +109,8 @@ def owner(folder, **changes):
 @pytest.mark.parametrize("ranks, jobs", [(1, 3), (2, 2)])
 def test_of_several_at_once_one_runs(ranks, jobs, uninterrupted, tmp_path):
     """The others are refused in one line; what the one writes is that of a run alone."""
-    command = [sys.executable, "-m", "simulations.fretting", *coarse_arguments(tmp_path / "run", **RUN), "--quiet"]
-    if ranks > 1:
-        command = [shutil.which("mpirun"), "-n", str(ranks), *command]
-    runs = [
-        subprocess.Popen(command, cwd=ROOT, env=environment(), stderr=subprocess.PIPE, text=True) for _ in range(jobs)
-    ]
+    words = ["-m", "simulations.fretting", *coarse_arguments(tmp_path / "run", **RUN), "--quiet"]
+    runs = [start_python(*words, ranks=ranks, stderr=PIPE, text=True) for _ in range(jobs)]
     said = [run.communicate(timeout=300)[1] for run in runs]
     codes = [run.returncode for run in runs]
     assert sorted(codes) == [0, *[2] * (jobs - 1)], said
@@ -128,11 +122,7 @@ def test_of_several_at_once_one_runs(ranks, jobs, uninterrupted, tmp_path):
 def test_a_lock_ends_with_its_owner(tmp_path):
     hold = "import time; from pathlib import Path; from simulations.output.lock import Lock; "
     hold += f"Lock(Path({str(tmp_path)!r}))"
-    process = subprocess.Popen(
-        [sys.executable, "-c", hold + "; print(1, flush=True); time.sleep(60)"],
-        stdout=subprocess.PIPE,
-        env=os.environ | {"PYTHONPATH": str(ROOT)},
-    )
+    process = start_python("-c", hold + "; print(1, flush=True); time.sleep(60)", stdout=PIPE)
     process.stdout.readline()
     with pytest.raises(Locked, match=f"process ({process.pid}|in a container) on "):
         Lock(tmp_path)
@@ -225,11 +215,7 @@ def test_checks_that_fail_are_a_failure(tmp_path, ranks):
     code = "import simulations.runs.checks as c; c.PENETRATION = -1.0; from simulations.command.command import run; "
     code += f"import sys; sys.argv = ['x', *{arguments(tmp_path / 'run')!r}]; "
     code += "from simulations.fretting import main; run(main)"
-    words = [sys.executable, "-c", code]
-    if ranks > 1:
-        words = ["mpirun", "-n", str(ranks), *words]
-    environment = os.environ | MPI_ENVIRONMENT | {"PYTHONPATH": str(ROOT)}
-    done = subprocess.run(words, cwd=ROOT, env=environment, capture_output=True, text=True, timeout=300)
+    done = run_python("-c", code, ranks=ranks, timeout=300)
     assert done.returncode == 4 and done.stdout == ""
     assert done.stderr.startswith("checks that fail: gap >= 0") and done.stderr.count("\n") == 1
     summary = json.loads((tmp_path / "run" / "summary.json").read_text())

@@ -5,13 +5,12 @@ import os
 import shutil
 import signal
 import subprocess
-import sys
 import threading
 from pathlib import Path
 
 import pytest
 from restarting import RUN, assert_same
-from running import MPI_ENVIRONMENT, ROOT, coarse_arguments, run_command
+from running import coarse_arguments, ranks_of, run_command, start_python
 
 from simulations import fretting, indentation
 
@@ -103,41 +102,21 @@ def test_half_a_domain(tmp_path, monkeypatch):
 # --- real kills -----------------------------------------------------------------------------------------------
 
 
-def start(*arguments, ranks):
-    command = [sys.executable, "-u", "-m", "simulations.fretting", *map(str, arguments)]
-    if ranks > 1:
-        command = [shutil.which("mpirun"), "-n", str(ranks), *command]
-    environment = os.environ | MPI_ENVIRONMENT | {"PYTHONPATH": str(ROOT)}
-    streams = {"stdout": subprocess.PIPE, "stderr": subprocess.DEVNULL, "stdin": subprocess.DEVNULL}
-    return subprocess.Popen(command, cwd=ROOT, env=environment, text=True, **streams)
-
-
-def descendants(pid):
-    children = Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
-    return [int(child) for child in children] + [grand for child in children for grand in descendants(int(child))]
-
-
 def kill_after(word, *arguments, ranks, number=signal.SIGKILL):
     """Start, and send ``number`` to one rank once a line with ``word`` is printed. Returns the exit code."""
-    process = start(*arguments, ranks=ranks)
+    streams = {"stdout": subprocess.PIPE, "stderr": subprocess.DEVNULL, "text": True}
+    process = start_python("-u", "-m", "simulations.fretting", *arguments, ranks=ranks, **streams)
     watchdog = threading.Timer(300, process.kill)
     watchdog.start()
     try:
         for line in process.stdout:
             if word in line:
-                victim = process.pid
-                if ranks > 1:
-                    victim = [pid for pid in descendants(process.pid) if b"simulations.fretting" in _command(pid)][-1]
-                os.kill(victim, number)
+                os.kill(process.pid if ranks == 1 else ranks_of(process.pid)[-1], number)
                 break
         process.stdout.read()
         return process.wait()
     finally:
         watchdog.cancel()
-
-
-def _command(pid):
-    return Path(f"/proc/{pid}/cmdline").read_bytes()
 
 
 @pytest.mark.slow

@@ -1,12 +1,12 @@
-"""Memory of one process after many runs, MB: test_many_runs runs it as ``python many_runs.py RUNS``, also on ranks."""
+"""Memory of one process after many runs, MB: test_many_runs runs it with their number, also on ranks."""
 
 import sys
 from pathlib import Path
 
 from mpi4py import MPI
-from running import COARSE
 
 from simulations import run
+from tests.running import COARSE
 
 FIRST = 5
 

@@ -3,14 +3,12 @@
 import importlib
 import json
 import os
-import shutil
-import subprocess
-import sys
 import time
+from subprocess import PIPE
 
 import pytest
 from refusals import REFUSED, SCENES, refusal, write_scenes
-from running import MPI_ENVIRONMENT, ROOT, coarse_arguments, run_command
+from running import ROOT, coarse_arguments, run_command, run_python, start_python
 
 from simulations.scene import DEFAULT_SCENE, SceneError, parse
 
@@ -47,9 +45,7 @@ def test_one_line_and_nothing_written(case, folder, capfd):
 
 def test_all_of_them_on_three_ranks(folder):
     """Every rank raises the same line, in step with the others."""
-    command = [shutil.which("mpirun"), "-n", "3", sys.executable, str(ROOT / "tests" / "scene" / "refusals.py")]
-    environment = os.environ | MPI_ENVIRONMENT | {"PYTHONPATH": str(ROOT)}
-    done = subprocess.run(command, env=environment, timeout=300, text=True, capture_output=True, cwd=folder)
+    done = run_python(ROOT / "tests" / "scene" / "refusals.py", ranks=3, timeout=300, cwd=folder)
     assert done.returncode == 0, done.stderr
     found = json.loads(done.stdout)
     assert set(found) == set(REFUSED)
@@ -90,9 +86,7 @@ def test_no_room_for_results(tmp_path):
         "import resource; from simulations.command.command import run; from simulations.fretting import main; "
         "resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000)); run(main)"
     )
-    command = [sys.executable, "-c", program, "--output", str(tmp_path / "a" / "b")]
-    environment = os.environ | MPI_ENVIRONMENT | {"PYTHONPATH": str(ROOT), "PYTHONDONTWRITEBYTECODE": "1"}
-    done = subprocess.run(command, env=environment, timeout=60, text=True, capture_output=True, cwd=ROOT)
+    done = run_python("-B", "-c", program, "--output", tmp_path / "a" / "b", timeout=60)
     assert done.returncode == 2, done.stderr
     assert len(done.stderr.splitlines()) == 1 and "cannot be written: File too large" in done.stderr
     assert list(tmp_path.iterdir()) == []
@@ -131,14 +125,13 @@ def test_no_command_takes_the_empty_text_for_this_folder(module, arguments, fold
 @pytest.mark.parametrize("stream", ["/dev/full", "closed pipe"])
 def test_nobody_listens(stream, tmp_path):
     """Where standard output cannot take any more the run goes on and its files are whole."""
-    command = [sys.executable, "-m", "simulations.fretting", *coarse_arguments(tmp_path / "run")]
-    environment = os.environ | MPI_ENVIRONMENT | {"PYTHONPATH": str(ROOT)}
     if stream == "closed pipe":
         read, write = os.pipe()
         os.close(read)
     else:
         write = os.open(stream, os.O_WRONLY)
-    done = subprocess.run(command, env=environment, timeout=120, stdout=write, stderr=subprocess.PIPE, cwd=ROOT)
+    run = start_python("-m", "simulations.fretting", *coarse_arguments(tmp_path / "run"), stdout=write, stderr=PIPE)
+    _, said = run.communicate(timeout=120)
     os.close(write)
-    assert done.returncode == 0, done.stderr
+    assert run.returncode == 0, said
     assert json.loads((tmp_path / "run" / "summary.json").read_text())["converged"]

@@ -2,18 +2,16 @@
 
 import gc
 import json
-import os
 import signal
-import subprocess
-import sys
 import time
 import weakref
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from multiprocessing import get_context
+from subprocess import DEVNULL
 
 import pytest
 from coarse_sweep import COARSE_SETS, VARY, arguments, rows_of
-from running import MPI_ENVIRONMENT, ROOT, run_command
+from running import run_command, start_python
 from solving import coarse_simulation
 
 from simulations import SceneError, sweep
@@ -143,10 +141,8 @@ def test_a_combination_that_is_no_scene_is_a_row():
 
 def test_a_stopped_sweep_goes_on(table, tmp_path):
     """Killed after two scenes; the next call solves the others only."""
-    command = [sys.executable, "-m", "simulations.sweep", *arguments(tmp_path)]
-    environment = os.environ | MPI_ENVIRONMENT | {"PYTHONPATH": str(ROOT)}
     store, deadline = tmp_path / "sweep.jsonl", time.time() + 120
-    with subprocess.Popen(command, cwd=ROOT, env=environment, stdout=subprocess.DEVNULL) as running:
+    with start_python("-m", "simulations.sweep", *arguments(tmp_path), stdout=DEVNULL) as running:
         while not (store.exists() and store.read_text().count("\n") >= 2) and time.time() < deadline:
             time.sleep(0.01)
         running.send_signal(signal.SIGKILL)
