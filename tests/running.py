@@ -67,6 +67,11 @@ def coarse_arguments(folder, **changes) -> list[str]:
     return [*sets, "--output", str(folder)]
 
 
+def contents(folder: Path) -> dict[Path, bytes]:
+    """Every file in it."""
+    return {path.relative_to(folder): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
 def fill_disk(monkeypatch, call: int):
     """From the write of this number on nothing more goes to the disk."""
     calls, fsync = [], os.fsync

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from running import coarse_arguments, run_command
 from solving import coarse_simulation, deviations, solved
 
 from simulations.scene import SceneError
@@ -51,10 +50,3 @@ def test_too_close_to_one_is_refused_in_a_line(k):
 def test_what_the_refusal_allows_is_solved():
     (entry, *_) = coarse_simulation(**UNCOUPLED, solid__k=0.985).run()
     assert np.all(np.isfinite(entry.surface.pressure)) and entry.residual < 1e-9
-
-
-def test_the_command_says_so_and_writes_nothing(tmp_path):
-    done = run_command(*coarse_arguments(tmp_path / "run", solid__k=0.99))
-    assert done.returncode == 2 and len(done.stderr.splitlines()) == 1
-    assert "solid.k = 0.99 is too close to 1" in done.stderr
-    assert not (tmp_path / "run" / "summary.json").exists()

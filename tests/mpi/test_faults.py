@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from mpi4py import MPI
-from running import coarse_arguments, fill_disk
+from running import coarse_arguments, contents, fill_disk
 
 from simulations import fretting
 from simulations.fem.mesh import create_mesh
@@ -37,10 +37,6 @@ def goes_on(folder):
     """All ranks end the run that was stopped."""
     fretting.main(["--resume", str(folder), "--quiet"])
     assert json.loads((folder / "summary.json").read_text())["converged"] is True
-
-
-def contents(folder):
-    return {path.relative_to(folder): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
 def refused(words, *arguments):
@@ -90,10 +86,6 @@ def test_a_folder_that_disappears(folder, monkeypatch):
             run(folder)
     on_root(comm, lambda: (moved / lock.NAME).unlink(missing_ok=True))
     goes_on(moved)
-
-
-def test_a_folder_that_cannot_be_written(folder):
-    refused("/proc/run cannot be written", *coarse_arguments("/proc/run", **RUN))
 
 
 def test_a_folder_of_another_process(folder):

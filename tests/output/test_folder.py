@@ -7,12 +7,11 @@ from subprocess import PIPE
 
 import pytest
 from restarting import RUN, assert_same
-from running import ROOT, coarse_arguments, run_command, run_python, start_python
+from running import coarse_arguments, contents, run_python, start_python
 
 from simulations import fretting
 from simulations.output import lock
 from simulations.output.files import OutputError
-from simulations.output.folder import writable
 from simulations.output.lock import Lock, Locked
 from simulations.output.results import Results
 from simulations.runs.checks import Check
@@ -23,10 +22,6 @@ QUICK = {"load__cycles": 0, "solver__increments": 1, "reference__kind": '"none"'
 
 def arguments(folder, *more, **changes):
     return [*coarse_arguments(folder, **QUICK | changes), "--quiet", *map(str, more)]
-
-
-def contents(folder):
-    return {path.relative_to(folder): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
 def refusal(words):
@@ -176,22 +171,9 @@ def test_a_signal_after_the_end_changes_nothing(tmp_path, monkeypatch):
 # --- what cannot be written, and what does not hold -------------------------------------------------------------
 
 
-@pytest.mark.parametrize("ranks", [1, 3])
-def test_a_folder_that_cannot_be_made(tmp_path, ranks):
-    (tmp_path / "file").write_text("")
-    done = run_command(*arguments(tmp_path / "file" / "run"), ranks=ranks)
-    assert done.returncode == 2 and done.stdout == ""
-    assert done.stderr.count("\n") == 1 and "cannot be written: Not a directory" in done.stderr
-
-
 def test_a_name_that_is_too_long(tmp_path):
     assert "cannot be written: File name too long" in refusal(arguments(tmp_path / ("x" * 300) / "run"))
     assert list(tmp_path.iterdir()) == []
-
-
-def test_a_read_only_file_system():
-    with pytest.raises(SceneError, match="--output /proc/run cannot be written"):
-        writable(ROOT.__class__("/proc/run"))
 
 
 def test_a_folder_that_disappears(tmp_path, monkeypatch):

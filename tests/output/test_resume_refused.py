@@ -6,7 +6,7 @@ import shutil
 
 import pytest
 from restarting import RUN, history
-from running import coarse_arguments
+from running import coarse_arguments, contents
 
 from simulations import fretting, report
 from simulations.runs.checks import ChecksFailed
@@ -29,46 +29,42 @@ def stopped(uninterrupted, tmp_path, monkeypatch):
     return folder
 
 
-def contents(folder):
-    return {path.relative_to(folder): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
-
-
-def refusal(capfd, *arguments):
+def refusal(*arguments):
     with pytest.raises(SceneError) as error:
         fretting.main([str(word) for word in arguments])
     assert "\n" not in str(error.value)
     return str(error.value)
 
 
-def test_other_keys_are_refused(stopped, capfd):
+def test_other_keys_are_refused(stopped):
     for more in (["--set", "load.mu=0.2"], ["scenes/holl.toml"], ["--output", "elsewhere"], ["--explain"]):
-        assert "--resume takes no scene" in refusal(capfd, "--resume", stopped, *more)
+        assert "--resume takes no scene" in refusal("--resume", stopped, *more)
 
 
-def test_a_scene_changed_since_is_refused(stopped, uninterrupted, tmp_path, capfd):
+def test_a_scene_changed_since_is_refused(stopped, uninterrupted, tmp_path):
     """Whether the run ended or not, and by the report of it too."""
     ended = shutil.copytree(uninterrupted, tmp_path / "ended")
     for folder in (stopped, ended):
         scene = folder / "scene.toml"
         scene.write_text(scene.read_text().replace("mu = 0.3", "mu = 0.31"))
-        assert "changed afterwards" in refusal(capfd, "--resume", folder)
+        assert "changed afterwards" in refusal("--resume", folder)
     with pytest.raises(SceneError, match="scene.toml is not as the run wrote it"):
         report.main([str(ended)])
     assert not (ended / "report.html").exists()
 
 
 @pytest.mark.parametrize("checks", [None, {"x": {}}, {"x": None}, [1]])
-def test_a_summary_whose_checks_were_changed_is_refused(uninterrupted, tmp_path, capfd, checks):
+def test_a_summary_whose_checks_were_changed_is_refused(uninterrupted, tmp_path, checks):
     folder = shutil.copytree(uninterrupted, tmp_path / "ended")
     summary = json.loads((folder / "summary.json").read_text())
     (folder / "summary.json").write_text(json.dumps(summary | {"checks": checks}))
-    assert "the checks in summary.json are not as the run wrote them" in refusal(capfd, "--resume", folder)
+    assert "the checks in summary.json are not as the run wrote them" in refusal("--resume", folder)
 
 
-def test_a_complete_run_that_has_lost_a_table_is_refused(uninterrupted, tmp_path, capfd):
+def test_a_complete_run_that_has_lost_a_table_is_refused(uninterrupted, tmp_path):
     folder = shutil.copytree(uninterrupted, tmp_path / "ended")
     (folder / "surface.h5").unlink()
-    assert "complete, but its surface.h5 is missing; start again" in refusal(capfd, "--resume", folder)
+    assert "complete, but its surface.h5 is missing; start again" in refusal("--resume", folder)
 
 
 def test_an_accuracy_that_was_not_judged_does_not_hold(tmp_path, monkeypatch):
@@ -99,28 +95,28 @@ DAMAGE = {
 
 
 @pytest.mark.parametrize("name, damaged, why", DAMAGE.values(), ids=DAMAGE)
-def test_damaged_checkpoint_is_refused(stopped, capfd, name, damaged, why):
+def test_damaged_checkpoint_is_refused(stopped, name, damaged, why):
     path = stopped / "checkpoint" / name
     path.write_bytes(damaged(path.read_bytes()))
     before = contents(stopped)
-    said = refusal(capfd, "--resume", stopped)
+    said = refusal("--resume", stopped)
     assert "checkpoint cannot be read" in said and why in said and "--overwrite" in said
     assert contents(stopped) == before
 
 
 @pytest.mark.parametrize("name", ["mesh.h5", "000000.h5"])
-def test_a_run_whose_fields_are_gone_is_refused(stopped, capfd, monkeypatch, name):
+def test_a_run_whose_fields_are_gone_is_refused(stopped, monkeypatch, name):
     """Before the mesh is made: its results would refer to a file that does not exist."""
     monkeypatch.setattr(fretting, "Simulation", None)
     (stopped / "fields" / name).unlink()
     before = contents(stopped)
-    assert f"fields/{name} is missing; start again" in refusal(capfd, "--resume", stopped)
+    assert f"fields/{name} is missing; start again" in refusal("--resume", stopped)
     assert contents(stopped) == before
 
 
-def test_the_checkpoint_of_another_version_is_refused(stopped, capfd, monkeypatch):
+def test_the_checkpoint_of_another_version_is_refused(stopped, monkeypatch):
     monkeypatch.setattr("simulations.output.checkpoint.__version__", "9.9.9")
-    assert "graded-fretting 0.1.0 made it, and this is 9.9.9" in refusal(capfd, "--resume", stopped)
+    assert "graded-fretting 0.1.0 made it, and this is 9.9.9" in refusal("--resume", stopped)
 
 
 def test_what_a_resumed_run_reports_of_earlier_increments(stopped, uninterrupted):
@@ -140,17 +136,11 @@ def test_the_report_of_a_run_that_goes_on_is_taken_away(stopped):
     assert not (stopped / "report.html").exists()
 
 
-def test_a_folder_without_a_run_is_refused(tmp_path, capfd):
-    assert "is not the folder of a run" in refusal(capfd, "--resume", tmp_path)
-    assert "is not the folder of a run" in refusal(capfd, "--resume", tmp_path / "absent")
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_a_new_run_in_the_folder_of_an_old_one(stopped, uninterrupted, capfd):
+def test_a_new_run_in_the_folder_of_an_old_one(stopped, uninterrupted):
     """Refused, but where the old one is to be replaced: then nothing of it is left in the new one's files."""
     again = coarse_arguments(stopped, **RUN, load__cycles=0)
     before = contents(stopped)
-    assert re.search("holds a run that was stopped; go on with --resume .* --overwrite", refusal(capfd, *again))
+    assert re.search("holds a run that was stopped; go on with --resume .* --overwrite", refusal(*again))
     assert contents(stopped) == before
     fretting.main([*again, "--overwrite"])
     assert len(history(stopped)) == 3

@@ -152,25 +152,6 @@ def test_stress_in_a_coating_needs_its_depth(modulus):
     assert make_scene(changes | {"load.bulk_depth": 1e-3}).bulk_strain == pytest.approx(1e8 * 0.91 / 200e9)
 
 
-@pytest.mark.parametrize(
-    "overrides, message",
-    [
-        (("load.bulk_strain=1e-4", "effects.friction=false"), "effects.friction = false"),
-        (("load.bulk_phase=90",), "without load.bulk_strain or load.bulk_stress"),
-        (("load.bulk_strain=1e-4", "load.bulk_phase=90", "load.cycles=0"), "without a cycle, here load.cycles = 0"),
-        (("load.bulk_strain=1e-4", 'load.bulk_phase="later"'), 'or "constant"'),
-        (("load.bulk_strain=0.2",), "-0.1 ≤ value ≤ 0.1"),
-        (("load.bulk_strain=1e-4", "load.bulk_stress=1e6"), "load.bulk_strain = 0.0001 and load.bulk_stress = 1e+06"),
-        (("load.bulk_depth=1.0",), "not allowed without load.bulk_stress"),
-        (("load.bulk_stress=1e6",), "load.bulk_depth is missing"),
-    ],
-)
-def test_refusals(overrides, message):
-    with pytest.raises(SceneError) as refusal:
-        parse(UNCOUPLED, overrides)
-    assert message in str(refusal.value) and "\n" not in str(refusal.value)
-
-
 def test_stress_far_from_the_contact_in_the_files(tmp_path):
     """E(y) ε/(1 - ν²) at +Q_A, its opposite at -Q_A: P adds the same to both, Q what is odd in x."""
     scene = tmp_path / "scene.toml"

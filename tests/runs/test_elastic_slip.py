@@ -14,7 +14,7 @@ from simulations.runs.mesh_free import MeshFree
 from simulations.runs.plan import Plan
 from simulations.runs.reference import neglected, of_same_physics
 from simulations.runs.timing import Stopwatch
-from simulations.scene import SceneError, make_scene
+from simulations.scene import make_scene
 
 LOOP = {"solid__k": 0.3, "solid__nu": 0.3, "load__mu": 0.3, "load__cycles": 0, "solver__increments": 4}
 
@@ -108,8 +108,3 @@ def test_it_does_not_raise_the_critical_coefficient():
         for c in (0.0, 0.1, 10.0)
     ]
     assert found == pytest.approx([found[0]] * 3, rel=1e-6)
-
-
-def test_wrong_lengths_are_refused():
-    with pytest.raises(SceneError, match="effects.elastic_slip"):
-        coarse_simulation(effects__elastic_slip=-1.0)

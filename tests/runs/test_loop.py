@@ -49,13 +49,6 @@ def test_fields_are_in_equilibrium_after_condensation(condensed):
     assert np.abs(imbalance).max() < 1e-8 * P
 
 
-def test_loads_balance(condensed):
-    for entry in condensed.history.entries:
-        surface, step = entry.surface, entry.step
-        assert surface.line_load(surface.pressure) == pytest.approx(step.P, rel=1e-8)
-        assert surface.line_load(surface.traction) == pytest.approx(step.Q, rel=1e-8, abs=1e-8 * step.P)
-
-
 def test_contact_conditions_hold(condensed):
     mu = condensed.scene.load.mu
     for entry in condensed.history.entries:

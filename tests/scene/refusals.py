@@ -100,6 +100,7 @@ REFUSED: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "extent": (by_set("mesh.extent=1"), ("mesh.extent = 1", "4 ≤ value ≤ 10000")),
     "increments": (by_set("solver.increments=0"), ("solver.increments = 0", "1 ≤ value ≤ 1000")),
     "theta out of range": (by_set("solver.theta=2"), ("solver.theta = 2", "-1 ≤ value ≤ 1")),
+    "elastic slip": (by_set("effects.elastic_slip=-1"), ("effects.elastic_slip = -1", "a number > 0")),
     # no numbers
     "nan": (by_set("indenter.R=nan"), ("indenter.R = nan", "a number")),
     "infinity": (by_set("indenter.R=inf"), ("indenter.R = inf", "a number")),
@@ -156,6 +157,8 @@ REFUSED: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "too much bulk strain": (by_set("load.bulk_strain=0.2"), ("load.bulk_strain = 0.2", "-0.1 ≤ value ≤ 0.1")),
     "bulk stress at no depth": (by_set("load.bulk_stress=1e6"), ("load.bulk_depth is missing",)),
     "phase of nothing": (by_set("load.bulk_phase=90"), ("load.bulk_phase = 90", "without load.bulk_strain")),
+    "phase of no kind": (by_set("load.bulk_strain=1e-4", "load.bulk_phase=later"), ("'later'", 'or "constant"')),
+    "depth of nothing": (by_set("load.bulk_depth=1.0"), ("load.bulk_depth = 1", "without load.bulk_stress")),
     "phase without a cycle": (
         by_set("load.bulk_strain=1e-4", "load.bulk_phase=90", "load.cycles=0"),
         ("load.bulk_phase = 90", "load.cycles = 0"),
@@ -265,6 +268,7 @@ REFUSED: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "output is a file": (("--output", "empty.toml"), ("--output", "File exists")),
     "output in /proc": (("--output", "/proc/results"), ("--output", "cannot be written")),
     "resume nothing": (("--resume", "."), ("not the folder of a run",)),
+    "resume absent": (("--resume", "absent"), ("not the folder of a run",)),
     "resume a file": (("--resume", "empty.toml"), ("not the folder of a run",)),
     "resume with keys": (("--resume", ".", *by_set("load.mu=0.2")), ("--resume takes no scene",)),
 }

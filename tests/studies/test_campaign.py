@@ -2,7 +2,6 @@
 
 import pytest
 from mpi4py import MPI
-from running import run_command
 
 from simulations.runs.comparison import NoReference, apart, compare_state
 from simulations.runs.mesh_free import steps_for_one
@@ -79,8 +78,3 @@ def test_the_draw_is_seeded_and_the_kinds_take_turns():
     assert list(scenes.items()) == list(campaign.drawn(40).items())[:20]
     only = campaign.drawn(20, ["nested loops"])
     assert len(only) == 4 and only.items() <= scenes.items()
-
-
-def test_a_wrong_number_of_scenes_is_one_line():
-    done = run_command("--drawn", "0", module="simulations.studies.campaign")
-    assert done.returncode == 2 and len(done.stderr.strip().splitlines()) == 1

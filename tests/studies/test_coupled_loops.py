@@ -1,7 +1,5 @@
 """The study of the reference of coupled loops."""
 
-from running import run_command
-
 from simulations.studies import coupled_loops
 from simulations.studies.coupled_loops import DIFFERENCES, ERRORS
 
@@ -31,8 +29,3 @@ def test_table():
     assert len(lines) == 2 + len(coupled_loops.K)
     line = next(line for line in lines if line.startswith("| 0.3 "))
     assert line == "| 0.3 | 2 of 3 | 1.0e-08 | 1.0e-08 | 1.0e-08 | 2.0e-07 | 1.0e-03 | 1.0e-03 | 1.0e-03 | 1.0e-03 |"
-
-
-def test_a_wrong_kind_is_one_line():
-    done = run_command("--only", "nothing", module="simulations.studies.coupled_loops")
-    assert done.returncode == 2 and len(done.stderr.strip().splitlines()) == 1

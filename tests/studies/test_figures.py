@@ -148,6 +148,8 @@ def test_every_figure_is_listed_with_a_picture():
         ("coupling", ["--values", "1", "3"], "--values 1 3"),
         ("stability", ["--only", "nonsense"], "nonsense"),
         ("body_stress", ["absent"], "absent"),
+        ("campaign", ["--drawn", "0"], "--drawn 0"),
+        ("coupled_loops", ["--only", "nothing"], "nothing"),
     ],
 )
 def test_wrong_command_line_is_one_line(tmp_path, module, arguments, word):

@@ -250,11 +250,6 @@ def test_the_command_writes_and_resumes(tmp_path):
     assert "units:" not in again.stdout and "4 cases: 4 converged" in again.stdout
 
 
-def test_an_unknown_study_is_one_line():
-    done = run_command("--only", "nonsense", module="simulations.studies.stability")
-    assert done.returncode == 2 and len(done.stderr.strip().splitlines()) == 1
-
-
 def test_the_draw_is_seeded_and_admissible():
     cases = stability.drawn_cases(20)
     assert list(cases) == list(stability.drawn_cases(40))[:20] and len(cases) == 20
