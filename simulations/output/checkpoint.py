@@ -18,8 +18,8 @@ import numpy as np
 
 from ..fem.mesh import Grading
 from ..fem.surface import SurfaceState
+from ..loading import present_state
 from ..loading.stepping import Outcome
-from ..runs import memory
 from ..runs.history import Entry
 from ..runs.plan import Plan
 from ..runs.simulation import Simulation
@@ -74,8 +74,9 @@ class Checkpoint:
     def save(self, entry: Entry):
         """Keep the state just reached, and the memory that goes with it."""
         simulation = self.simulation
-        kept = memory.save(simulation.solver, simulation.numbering)
-        if kept is None:
+        solver = simulation.solver
+        kept = present_state.gather(solver.system, simulation.numbering) | solver.save()
+        if simulation.body.mesh.comm.rank > 0:
             return
         self._folder.mkdir(exist_ok=True)
         surface, entries = entry.surface, simulation.history.entries
@@ -182,7 +183,8 @@ def restore(saved: Saved, simulation: Simulation):
         outcome = Outcome(step, (result,), int(row["cuts"]), float(row["unsettled"]))
         simulation.history.append(outcome, surface, float(row["seconds"]))
     solver.skip(done)
-    memory.restore(saved.memory, solver, simulation.numbering)
+    present_state.scatter(solver.system, saved.memory, simulation.numbering)
+    solver.restore(saved.memory)
     simulation.watch.go_on(saved.seconds)
 
 
