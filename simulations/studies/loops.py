@@ -16,12 +16,6 @@ ATTEMPTS = ((4, 100), (4, 130), (5, 110), (7, 100), (10, 100))
 POINTS = 2001  # at which the energy density is summed up
 
 
-def schedule(P: float, Q_A: float, quarter: int, cycles: int) -> list[tuple[float, float]]:
-    """Loads (P, Q): pressing, first loading to +Q_A, then cycles to -Q_A and back, ``quarter`` steps per Q_A."""
-    increments = pressing(P) + rocking(P, Q_A, cycles, quarter)
-    return [(step.P, step.Q) for step in increments]
-
-
 @dataclass(frozen=True)
 class SimulatedLoop:
     """States of pressing, first loading and cycles of ``quarter`` increments per Q_A; lengths, stresses as in solid."""
@@ -29,7 +23,6 @@ class SimulatedLoop:
     states: list[ContactState]
     mu: float
     quarter: int
-    nodes: int
 
     @property
     def first_loading(self) -> ContactState:
@@ -82,9 +75,9 @@ def simulate(
     for quarter, nodes in attempts:
         solver = HalfPlaneContact(solid, profile, mu=mu, nodes=nodes)
         try:
-            states = solver.run(schedule(P, amplitude * mu * P, quarter, cycles))
+            states = solver.run(step.load for step in pressing(P) + rocking(P, amplitude * mu * P, cycles, quarter))
         except ContactNotConverged as reason:
             failure = reason
         else:
-            return SimulatedLoop(states, mu, quarter, nodes)
+            return SimulatedLoop(states, mu, quarter)
     raise failure

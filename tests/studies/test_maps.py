@@ -88,10 +88,10 @@ def test_answers():
     """Thick grading: the stiffer surface loses least. Thin: it loses most."""
     found = {p: by_theory(p) for p in (Point(k, 0.6, 2.0, 0.3, 0.3) for k in (-0.5, 0.0, 0.5))}
     thick, thin = answer(found, "energy", 2.0, 0.6, 10.0), answer(found, "energy", 2.0, 0.6, 0.01)
-    assert (thick.least[0], thick.most[0]) == (-0.5, 0.5)
-    assert (thin.least[0], thin.most[0]) == (0.5, -0.5)
+    assert (thick["least"][0], thick["most"][0]) == (-0.5, 0.5)
+    assert (thin["least"][0], thin["most"][0]) == (0.5, -0.5)
     homogeneous = float(energies.curve(0.0, 1.0, 0.6))
-    assert thick.most[1] == pytest.approx(float(energies.curve(0.5, 10.0, 0.6)) / homogeneous, rel=1e-9)
+    assert thick["most"][1] == pytest.approx(float(energies.curve(0.5, 10.0, 0.6)) / homogeneous, rel=1e-9)
 
 
 def test_the_line_of_equal_energy_crosses_the_homogeneous_contact():

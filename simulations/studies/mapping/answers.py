@@ -1,29 +1,16 @@
 """Answers of the maps: the grading that loses least, or most, energy under a given load."""
 
-from dataclasses import dataclass
-
 from .points import Energies, Point, depth_factors
 
 DEPTHS = (0.01, 0.1, 1.0, 10.0, 100.0)  # y0/a0
 
 
-@dataclass(frozen=True)
-class Answer:
-    """For one depth, amplitude and profile: the exponent k with the least and the most of a quantity.
-
-    quantity: 'energy' or 'density'. Values are ratios to the homogeneous contact of the same profile and load.
-    """
-
-    quantity: str
-    y0_over_a0: float
-    least: tuple[float, float]  # k, ratio
-    most: tuple[float, float]
-
-
 def ratios(
     found: dict[Point, Energies], quantity: str, m: float, amplitude: float, y0_over_a0: float
 ) -> dict[float, float]:
-    """By k: the quantity over that of the homogeneous contact; empty where the latter is not among ``found``."""
+    """By k: the quantity, "energy" or "density", over that of the homogeneous contact of the same profile and load;
+    empty where the latter is not among ``found``.
+    """
     row = {p.k: getattr(e, quantity) for p, e in found.items() if p.m == m and p.amplitude == amplitude}
     which = ("energy", "density").index(quantity)
     if 0.0 not in row:
@@ -31,11 +18,13 @@ def ratios(
     return {k: float(row[k] * depth_factors(k, m, y0_over_a0)[which] / row[0.0]) for k in sorted(row)}
 
 
-def answer(found: dict[Point, Energies], quantity: str, m: float, amplitude: float, y0_over_a0: float) -> Answer:
-    """Least and most over the exponents that ``found`` holds."""
+def answer(
+    found: dict[Point, Energies], quantity: str, m: float, amplitude: float, y0_over_a0: float
+) -> dict[str, tuple[float, float]]:
+    """Exponent k and ratio of the "least" and of the "most" over the exponents that ``found`` holds."""
     by_k = ratios(found, quantity, m, amplitude, y0_over_a0) or {float("nan"): float("nan")}
     least, most = min(by_k, key=by_k.get), max(by_k, key=by_k.get)
-    return Answer(quantity, y0_over_a0, (least, by_k[least]), (most, by_k[most]))
+    return {"least": (least, by_k[least]), "most": (most, by_k[most])}
 
 
 def table(found: dict[Point, Energies], theory: dict[Point, Energies], m: float, amplitude: float) -> str:
@@ -48,7 +37,7 @@ def table(found: dict[Point, Energies], theory: dict[Point, Energies], m: float,
     for depth in DEPTHS:
         cells = []
         for quantity, end in (("energy", "least"), ("density", "least"), ("energy", "most")):
-            both = [getattr(answer(source, quantity, m, amplitude, depth), end) for source in (found, theory)]
+            both = [answer(source, quantity, m, amplitude, depth)[end] for source in (found, theory)]
             words = [f"k = {k:g}: {ratio:.2g}" for k, ratio in both]
             cells.append(f"{words[0]} ({words[1]})")
         text += f"| {depth:g} | " + " | ".join(cells) + " |\n"
