@@ -49,7 +49,7 @@ class ElasticBody:
         degree=2,
         stretched=False,
     ):
-        self.mesh, self.modulus, self.facets, self.mixed, self.degree = mesh, modulus, facets, mixed, degree
+        self.mesh, self.modulus, self.mixed, self.degree = mesh, modulus, mixed, degree
         self.depth = modulus.depth_map()
         self.space, self.displacements, self.dofs = create_space(mesh, degree, mixed)
         self.point_space = fem.functionspace(mesh, ("DG", degree))  # of one value at every node of every cell
@@ -77,8 +77,8 @@ class ElasticBody:
         y = self.depth.y(np.maximum(s, 0.0))  # round-off may place the surface at -1e-17
         self._far_field = [far_field(x, y, Q=1.0), far_field(x, y, P=1.0)]
 
-        facets, self.strip_cells, self.surface_measure = self._find_strip(strip)
-        self.surface_nodes = SurfaceNodes(self.displacements, facets)
+        strip_facets, self.strip_cells, self.surface_measure = self._find_strip(facets.find(SURFACE), strip)
+        self.surface_nodes = SurfaceNodes(self.displacements, strip_facets)
         self.stiffness_form = fem.form(self._stiffness_form(works))
         self.stiffness, self.constrained_stiffness = assemble_stiffness(self.stiffness_form, self.fixed_dofs)
         self._recover = None  # what brings ``state`` beyond the strip up to date, None where it is
@@ -170,10 +170,9 @@ class ElasticBody:
             form += ufl.derivative(work(self, v), self.state, trial)
         return form
 
-    def _find_strip(self, half_width):
+    def _find_strip(self, surface, half_width):
         """Facets, cells and measure of the surface on which contact is looked for."""
         mesh = self.mesh
-        surface = self.facets.find(SURFACE)
         middle = dolfinx.mesh.compute_midpoints(mesh, 1, surface)[:, 0]
         strip = surface[np.abs(middle) < half_width]
         tags = dolfinx.mesh.meshtags(mesh, 1, np.sort(strip), np.full(len(strip), SURFACE, np.int32))

@@ -59,7 +59,8 @@ class BodySample:
 
     def _places(self, x, y):
         """Column, share of its width, layer, share of its height in s, for each point."""
-        x, s = np.abs(x) if self.is_half else np.asarray(x), self.depth.s(np.asarray(y, float))
+        x = np.abs(x) if self.is_half else np.asarray(x)
+        s = self.depth.s(np.asarray(y, float))
         column = np.clip(np.searchsorted(self.x, x, "right") - 1, 0, len(self.x) - 2)
         row = np.clip(np.searchsorted(self.s, s, "right") - 1, 0, len(self.s) - 2)
         along = (x - self.x[column]) / (self.x[column + 1] - self.x[column])

@@ -10,6 +10,7 @@ from restarting import RUN, assert_same
 from running import coarse_arguments, contents, run_python, start_python
 
 from simulations import fretting
+from simulations.output import folder as run_folder
 from simulations.output import lock
 from simulations.output.files import OutputError
 from simulations.output.lock import Lock, Locked
@@ -204,3 +205,12 @@ def test_checks_that_fail_are_a_failure(tmp_path, ranks):
     assert summary["converged"] is True and summary["checks_hold"] is False
     assert summary["checks"]["gap >= 0"]["holds"] is False
     assert Check(**{k: v for k, v in summary["checks"]["residual"].items() if k != "holds"}).holds
+
+
+def test_packages_that_are_not_the_recorded_ones_are_named_with_every_run(tmp_path, monkeypatch):
+    moved = tmp_path / "moved.txt"
+    moved.write_text("python3-numpy 1:2.2.4+ds-1 1:2.2.5+ds-1\n")
+    monkeypatch.setattr(run_folder, "MOVED", moved)
+    assert run_folder.versions()["python3-numpy"] == "1:2.2.5+ds-1 (recorded: 1:2.2.4+ds-1)"
+    moved.write_text("")
+    assert "python3-numpy" not in run_folder.versions()
