@@ -7,9 +7,7 @@ from .command.arguments import Request, read_request, set_petsc_options
 from .command.command import comm, on_root, run, say
 from .command.progress import Progress
 from .command.stopping import stopping
-from .fem import parallel
 from .output import checkpoint
-from .output.files import OutputError
 from .output.folder import begin, claimed, files, go_on, lost_table, refuse_changed
 from .output.results import Results
 from .runs.checks import ChecksFailed
@@ -65,9 +63,9 @@ def prepare(request: Request, progress: Progress) -> Simulation:
     simulation = Simulation(comm, request.scene, saved.cells if saved else None, watch=watch)
     if saved:
         checkpoint.restore(saved, simulation)
-        parallel.on_root(comm, lambda: go_on(request.output), OutputError)
+        on_root(lambda: go_on(request.output))
     else:
-        parallel.on_root(comm, lambda: begin(request.output, request.scene), OutputError)
+        on_root(lambda: begin(request.output, request.scene))
     return simulation
 
 

@@ -34,8 +34,8 @@ LAST = 0.2  # s by which rank 0 ends after the others: mpirun then has nobody le
 
 
 def on_root(work: Callable[[], T]) -> T:
-    """Result of ``work`` done by rank 0, or what is wrong with its input raised on every rank."""
-    return parallel.on_root(comm, work, (SceneError, SystemExit))
+    """Result of ``work`` done by rank 0; wrong input, or a file that cannot be written, is raised on every rank."""
+    return parallel.on_root(comm, work, (SceneError, OutputError, SystemExit))
 
 
 def run(main: Callable[[list[str]], None]):
