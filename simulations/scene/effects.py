@@ -8,8 +8,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from .errors import SceneError
 from .scene import Scene
 from .settings import add_switches
+from .table import KINDS
 from .tables import Path
 
 
@@ -51,6 +53,12 @@ class Effects:
     """
 
     def __init__(self, scene: Scene):
+        others = sorted({*dict(scene.effects)} ^ {*KINDS["effects"][0].model_fields})
+        if others:
+            raise SceneError(
+                f"effects.{others[0]}: its effect was added or removed after the scene was made; "
+                "make_scene(base=scene) makes it again"
+            )
         self.verdicts = {effect.name: effect.judge(scene) for effect in ALL}
         on = [effect for effect in ALL if effect.name in self]
         self.without_reference = [effect.name for effect in on if not effect.keeps_reference]
@@ -174,8 +182,9 @@ ALL: list[Effect] = []
 
 
 def add(*effects: Effect):
-    """Let every scene have these effects: their keys, verdicts and terms."""
-    ALL.extend(effects)
+    """Let every scene have these effects: keys, verdicts and terms. One takes the place of another of its name."""
+    names = [effect.name for effect in effects]
+    ALL[:] = [*(effect for effect in ALL if effect.name not in names), *effects]
     _update_keys()
 
 

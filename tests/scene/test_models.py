@@ -157,12 +157,45 @@ def test_a_scene_is_made_at_once():
     assert min(seconds) < 0.01
 
 
-def test_an_added_effect_has_its_keys_in_the_scene():
-    entry = effects.Effect(
+def wear():
+    """An effect that is made anew by every call, as by a cell of a notebook."""
+    return effects.Effect(
         "wear",
         lambda scene: effects.Verdict(scene.effects.wear > 0, f"effects.wear = {scene.effects.wear:g}", "it wears"),
         keys={"wear": (Number, Field(0.0, ge=0, description="m²/N"))},
     )
+
+
+def test_an_effect_that_is_added_again_is_there_once():
+    before = [*effects.ALL]
+    effects.add(wear())
+    effects.add(again := wear())
+    try:
+        assert effects.ALL == [*before, again]
+    finally:
+        effects.remove(again)
+    assert effects.ALL == before
+
+
+def test_a_scene_from_before_an_effect_was_added_is_refused():
+    """As one from before it was removed: neither says what is to be solved now."""
+    before, entry = make_scene(), wear()
+    effects.add(entry)
+    try:
+        with pytest.raises(SceneError, match="^effects.wear: .* added .* after the scene was made"):
+            effects.Effects(before)
+        again = make_scene(base=before)
+        assert again.effects.wear == 0 and "wear" not in effects.Effects(again)
+        assert "wear" not in effects.Effects(Scene(solid=before.solid, indenter=before.indenter, load=before.load))
+    finally:
+        effects.remove(entry)
+    with pytest.raises(SceneError, match="^effects.wear: .* removed after the scene was made"):
+        effects.Effects(again)
+    effects.Effects(before)
+
+
+def test_an_added_effect_has_its_keys_in_the_scene():
+    entry = wear()
     effects.add(entry)
     try:
         scene = parse(DEFAULT_SCENE, ("effects.wear=2",))
