@@ -300,6 +300,8 @@ def test_states_that_are_asked_for(states, found, tmp_path):
     assert kept[: len(found)] == found and (len(kept) == 11 or kept == found)
     with pytest.raises(SceneError, match="no fields of state 'F': there are '"):
         body_functions(tmp_path, "F", MPI.COMM_SELF)
+    one, same = (body_functions(tmp_path, number)["von_mises"].x.array for number in (kept[-1], np.int64(kept[-1])))
+    assert (one == same).all()
 
 
 def test_a_folder_without_a_run_has_no_functions(tmp_path):
