@@ -19,7 +19,7 @@ def read_text(path: Path, what: str) -> str:
             raise SceneError(f"{what} {shown(path)} cannot be read: not a text file of at most {LARGEST_FILE} bytes")
         return path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError:
-        raise SceneError(f"{what} {shown(path)} cannot be read: it is not even text") from None
+        raise SceneError(f"{what} {shown(path)} cannot be read: it is not text in UTF-8") from None
     except (OSError, ValueError) as error:
         raise SceneError(f"{what} {shown(path)} cannot be read: {getattr(error, 'strerror', error)}") from None
 
