@@ -141,7 +141,7 @@ def compare(history: History, reference: Reference) -> dict[str, float]:
         energy = reference.dissipated_energy()
         if energy:
             error = history.dissipated_energy / energy - 1
-            deviation["dissipated_energy"] = error + float(np.copysign(_own_error_of_energy(reference), error))
+            deviation["dissipated_energy"] = float(error + np.copysign(_own_error_of_energy(reference), error))
     return deviation
 
 
