@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from threading import RLock
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,8 @@ from .runs import checks, comparison, estimate, reference, report_data
 from .runs.history import Entry
 from .runs.simulation import Simulation
 from .scene import DEFAULT_SCENE, Scene, make_scene
+
+_ALONE = RLock()  # gmsh and PETSc crash where several threads are in them at once
 
 
 @dataclass(frozen=True)
@@ -129,16 +132,17 @@ def run(
 
     Where checks of the result fail, a ``ChecksWarning`` names them (``warnings.simplefilter("error", ChecksWarning)``
     makes it an error). What theory or mesh show badly is a warning too. comm: every rank of it calls ``run`` and gets
-    the whole result; progress: called with each entry of the history.
+    the whole result; progress: called with each entry of the history. Threads that call ``run`` wait for each other.
     """
-    scene = changes if isinstance(changes, Scene) else make_scene(changes, base)
-    simulation = Simulation(comm, scene)
-    for words in simulation.warnings:
-        warnings.warn(words, stacklevel=2)
-    for entry in simulation.run():
-        if progress:
-            progress(entry)
-    result = Result(simulation)
-    if not checks.hold(result.checks):
-        warnings.warn(checks.describe(result.checks), checks.ChecksWarning, stacklevel=2)
-    return result
+    with _ALONE:
+        scene = changes if isinstance(changes, Scene) else make_scene(changes, base)
+        simulation = Simulation(comm, scene)
+        for words in simulation.warnings:
+            warnings.warn(words, stacklevel=2)
+        for entry in simulation.run():
+            if progress:
+                progress(entry)
+        result = Result(simulation)
+        if not checks.hold(result.checks):
+            warnings.warn(checks.describe(result.checks), checks.ChecksWarning, stacklevel=2)
+        return result

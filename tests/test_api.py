@@ -3,6 +3,7 @@
 import re
 import runpy
 import warnings
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -42,6 +43,18 @@ def test_a_run_gives_arrays_and_leaves_no_files(tmp_path, monkeypatch):
     assert abs(result.errors()["pressure_l2"]) < 1e-2
     assert {type(error) for error in result.errors().values()} == {float}  # numbers of numpy print their type
     assert list(tmp_path.iterdir()) == []
+
+
+def test_threads_run_one_after_the_other():
+    """Side by side they end in a crash of gmsh or PETSc."""
+    shares, steps = [0.5, 0.7], []
+
+    def stick(share):
+        return run(QUICK | {"load.amplitude": share}, progress=lambda entry: steps.append(share)).c
+
+    with ThreadPoolExecutor(2) as threads:
+        found = [*threads.map(stick, shares)]
+    assert steps == sorted(steps, key=steps.index) and found == [stick(share) for share in shares]
 
 
 def test_without_friction_there_is_no_stick_zone():
