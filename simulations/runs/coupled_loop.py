@@ -18,14 +18,13 @@ from ..loading.schedule import LoadStep
 from ..scene import Scene
 from ..scene.effects import Effects
 from ..scene.scaling import Scaled
-from .expected_edges import TURNED, ExpectedEdges, several, stops_at
+from .expected_edges import MERGED, TURNED, ExpectedEdges, several, stops_at
 
 LOWEST, HIGHEST = -0.9, 0.9  # k for which docs/accuracy.md has what both orders of the basis differ by
 STEEP = -0.5  # k below which pressure zigzags where its edge has no place in a facet: by 15 % at k = -0.6
 # by degree: smaller facets at edges, over a, gain from better edges; for k < STEEP those of degree 1 at any degree,
 # as on larger ones the energy of a load step is known to 1.2e-6 only (k = -0.9)
 FINE = {1: 2e-3, 2: 0.02, 3: 0.02}
-MERGED = 0.5  # smallest facets between edges, below which both have one place
 
 
 def serves(scene: Scene, effects: Effects) -> bool:

@@ -1,6 +1,6 @@
 """Expected edges of contact and stick zone, before anything is solved: the mesh is graded to them."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from analytic import FrettingLoop, HalfPlaneContact, SpringPath, contact_edges
 
-from ..fem.load import Load
+from ..loading.schedule import LoadStep
 from ..scene import Scene
 from ..scene.effects import Effects
 from ..scene.scaling import Scaled
@@ -26,6 +26,7 @@ AT_STOPS = 2.0, 0.8  # error of q at k < 0 on the way of the edges of stick, wit
 ON_THE_WAY = 0.07, 0.15  # error of p on the contact's way, k >= 0 and k < 0, over that of ``facet`` and k = 0
 FACETS_OF_WAY = 300  # facets on either side of the contact's way: its length is half the contact's where mu is above 1
 STOP = 2.0, 4.0  # error of q that a stop may cost (limits.expected_error) over facet², for k >= 0 and k < 0
+MERGED = 0.5  # smallest facets between edges, below which both have one place
 TURNED = 2.0  # where slip has turned, q changes by 2 mu p
 FIRST = 3  # facets, either side, in the contact of the first load step with friction
 
@@ -108,11 +109,11 @@ class Stop(NamedTuple):
 
 
 def expected_edges(
-    scene: Scene, scaled: Scaled, loop: FrettingLoop | None, effects: Effects, loads: list[Load]
+    scene: Scene, scaled: Scaled, loop: FrettingLoop | None, effects: Effects, schedule: Sequence[LoadStep]
 ) -> ExpectedEdges:
     """From the closed form or, where it is another problem, from a rough half-plane solution.
 
-    loads: of the schedule, the first with Q = 0.
+    schedule: its first load has Q = 0.
     """
     if effects.has_closed_form:
         contact = scaled.contact
@@ -120,33 +121,35 @@ def expected_edges(
         a = contact.a
         if loop is None and not scene.friction:
             return ExpectedEdges((a,), exact=True)
-        states = SpringPath(contact, scene.mu).run([load[:2] for load in loads])[::-1]
+        states = SpringPath(contact, scene.mu).run([(step.P, step.Q) for step in schedule])
         if loop is None:
-            ends = [edge for state in states for edge in (state.contact_half_width, state.stick_half_width)]
-            return ExpectedEdges(several(ends), exact=True)
+            edges = np.array([(state.contact_half_width, state.stick_half_width) for state in states])
+            stops = stops_at(_stops(states, contact_moves=True), MERGED * scene.cell_sizes["edge_facet"])
+            return ExpectedEdges(_at_points(schedule, edges), stops=stops, exact=True)
         shares = (0.5, 0.0, -0.5) if scene.mesh.edges == "states" else ()
         between = [loop.active_half_width(share * loop.Q_A, "unloading") for share in shares]
-        return ExpectedEdges((loop.c, a, *between), stops=_stops(states), exact=True)
+        return ExpectedEdges((loop.c, a, *between), stops=stops_at(_stops(states)), exact=True)
     try:
-        return _rough_edges(scene, scaled, effects, loads)
+        return _rough_edges(scene, scaled, effects, schedule)
     except (RuntimeError, ValueError) as reason:  # none to stop: the mesh is only less well graded
         return ExpectedEdges((1.0,), unknown=str(reason))
 
 
-def _stops(states) -> tuple[Stop, ...]:
-    """Of states of a SpringPath in a loop under the P of the first, each edge once."""
-    a, mu = states[0].contact_half_width, states[0].memory.mu
-    x = a * np.linspace(-1.0, 1.0, SAMPLES + 2)[SAMPLES // 2 + 1 : -1]  # half of them: p and q are even
-    limit = mu * np.linalg.norm(states[0].pressure(x))
-    found = []
+def _stops(states, contact_moves: bool = False) -> Iterable[tuple[float, float]]:
+    """Of states of a SpringPath places and shares of q: edges of stick, each once, and of contact if they move."""
     seen = set()  # on the way up q is what it was on the way down, with the other sign
+    width, limit = 0.0, 0.0
     for state in states:
-        c = round(state.stick_half_width / a, 9)
-        if state.P == states[0].P and c < 1.0 and (c, len(state.memory.P)) not in seen:
-            seen.add((c, len(state.memory.P)))
-            kink = 1.0 if len(state.memory.P) <= 3 else TURNED
-            found.append((c * a, float(np.linalg.norm(state.traction(x)) / limit / kink)))
-    return stops_at(found)
+        a, c, turns = state.contact_half_width, state.stick_half_width, len(state.memory.P)
+        if contact_moves:
+            yield a, 1.0
+        if c < a and (key := (round(a, 9), round(c, 9), turns)) not in seen:
+            seen.add(key)
+            x = a * np.linspace(-1.0, 1.0, SAMPLES + 2)[SAMPLES // 2 + 1 : -1]  # half of them: p and q are even
+            if a != width:
+                width, limit = a, state.memory.mu * np.linalg.norm(state.pressure(x))
+            kink = 1.0 if turns <= 3 else TURNED
+            yield c, float(np.linalg.norm(state.traction(x)) / limit / kink)
 
 
 def stops_at(found: Iterable[tuple[float, float]], merged: float = 1e-9) -> tuple[Stop, ...]:
@@ -161,8 +164,16 @@ def stops_at(found: Iterable[tuple[float, float]], merged: float = 1e-9) -> tupl
     return tuple(stop for stop in stops if stop.share > 0.0)
 
 
-def _rough_edges(scene, scaled, effects, loads):
-    """Of a loop where it turns, of other schedules at every load, the last first."""
+def _at_points(schedule, edges) -> tuple[float, ...]:
+    """Of edges (s, n) after each load step those at the points of a path, of which the last comes first, however many
+    load steps lie between; and the widest of all."""
+    pairs = enumerate(zip(schedule, schedule[1:]))
+    reached = [n for n, (step, after) in pairs if step.state or step.branch != after.branch]
+    return several([np.nanmax(edges), *edges[[len(edges) - 1, *reached[::-1]]].ravel()])
+
+
+def _rough_edges(scene, scaled, effects, schedule):
+    """Of a loop where it turns, of a path at its points."""
     solver = half_plane_solver(scene, scaled, effects, NODES)
     if scene.is_loop:
         Q_A = scene.load.amplitude * solver.mu
@@ -178,11 +189,12 @@ def _rough_edges(scene, scaled, effects, loads):
             contact_way=(float(way.min()), float(way.max())),
             stick_way=(min(edges), float(way.max())),
             fineness=FINER_WITH_COUPLING,
-            early=float((1 - next(load.Q for load in loads if load.Q) / solver.mu) ** (1 / (2 + scene.k))),  # (48)
+            early=float((1 - next(step.Q for step in schedule if step.Q) / solver.mu) ** (1 / (2 + scene.k))),  # (48)
             first=1 / scene.solver.normal_increments if first else None,
         )
-    states = solver.run(loads)[::-1]
-    return ExpectedEdges(several([edge for state in states for edge in (*state.contact, *state.stick)]))
+    edges = np.abs([(*state.contact, *state.stick) for state in solver.run([step.load for step in schedule])])
+    way = float(np.nanmin(edges)), float(np.nanmax(edges))
+    return ExpectedEdges(_at_points(schedule, edges), stick_way=way, fineness=FINER_WITH_COUPLING)
 
 
 def several(edges) -> tuple[float, ...]:

@@ -103,16 +103,16 @@ class Plan:
 
     def _edges(self) -> ExpectedEdges:
         """Where contact and stick zone are expected to end."""
-        scene, loads = self.scene, [step.load for step in self.schedule]
+        scene = self.scene
         if "bulk strain" in self.effects:
             if self.stretched and self.effects.has_closed_form:
-                return exact_edges(self.stretched, loads)
+                return exact_edges(self.stretched, [step.load for step in self.schedule])
             loads = [step.load for step in self._loop(min(scene.cycles, 1), ROUGH_QUARTER, pressing(1.0))]
             return rough_edges(scene, self.scaled, self.effects, loads)
         found = None
         if grades(scene, self.effects):
             found = loop_edges(scene, self.scaled, self.mu, self.schedule)
-        found = found or expected_edges(scene, self.scaled, self.loop, self.effects, loads)
+        found = found or expected_edges(scene, self.scaled, self.loop, self.effects, self.schedule)
         exact = self.pressing_with_friction
         if exact and scene.is_loop and scene.k < 0:  # where contact ends steeply
             normal = (step.P for step in self.schedule if step.branch == "normal")
