@@ -20,7 +20,7 @@ class Springs:
     """
 
     name = "closed form"
-    coarser = None
+    coarser, without_middle = None, False
 
     def __init__(self, contact: CylinderContact | ProfileContact, mu: float, schedule: Sequence[LoadStep]):
         self._schedule = schedule
@@ -75,7 +75,7 @@ class StretchedForm:
     """Closed form [X7] at the loads of a schedule; loop: in the units of the schedule."""
 
     name = "closed form"
-    coarser = None
+    coarser, without_middle = None, False
 
     def __init__(self, loop: StretchedLoop, schedule: Sequence[LoadStep]):
         self._loop, self._schedule = loop, schedule

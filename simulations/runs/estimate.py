@@ -70,7 +70,7 @@ class Solved:
     """Another run of the same schedule as reference, between its nodes interpolated."""
 
     name = "finer mesh"
-    coarser = None
+    coarser, without_middle = None, False
 
     def __init__(self, history: History):
         """history: of the increments of the run whose entries this is asked about."""

@@ -76,7 +76,8 @@ class MeshFree(OfStates):
             coating = coating_keys(simulation.scene)
             raise NoReference(f"{failure}; {coating}" if coating else str(failure))
         found = [states[place] for place in places]
-        super().__init__(found, _dissipated(found, simulation.schedule, simulation.pressing_with_friction))
+        energy = _dissipated(found, simulation.schedule, simulation.pressing_with_friction)
+        super().__init__(found, energy, bool(simulation.hidden_peak))
         self.coarser = self._coarser(simulation, nodes) if estimated else None
 
     def _coarser(self, simulation, nodes):
