@@ -141,15 +141,17 @@ def _stops(states, contact_moves: bool = False) -> Iterable[tuple[float, float]]
     width, limit = 0.0, 0.0
     for state in states:
         a, c, turns = state.contact_half_width, state.stick_half_width, len(state.memory.P)
-        if contact_moves:
-            yield a, 1.0
-        if c < a and (key := (round(a, 9), round(c, 9), turns)) not in seen:
-            seen.add(key)
-            x = a * np.linspace(-1.0, 1.0, SAMPLES + 2)[SAMPLES // 2 + 1 : -1]  # half of them: p and q are even
-            if a != width:
-                width, limit = a, state.memory.mu * np.linalg.norm(state.pressure(x))
-            kink = 1.0 if turns <= 3 else TURNED
-            yield c, float(np.linalg.norm(state.traction(x)) / limit / kink)
+        if (key := (round(a, 9), round(c, 9), turns)) in seen or not (contact_moves or c < a):
+            continue
+        seen.add(key)
+        x = a * np.linspace(-1.0, 1.0, SAMPLES + 2)[SAMPLES // 2 + 1 : -1]  # half of them: p and q are even
+        if a != width:
+            width, limit = a, state.memory.mu * np.linalg.norm(state.pressure(x))
+        share = float(np.linalg.norm(state.traction(x)) / limit)
+        if contact_moves:  # where q ends too, if there is any
+            yield a, share or 1.0
+        if c < a:
+            yield c, share if turns <= 3 else share / TURNED
 
 
 def stops_at(found: Iterable[tuple[float, float]], merged: float = 1e-9) -> tuple[Stop, ...]:
