@@ -69,7 +69,8 @@ class Plan:
         if scene.indenter.profile != "parabola" or self.effects.works(scene, self.scaled.scales):
             return None
         numbers = [*astuple(law), scene.solid.nu]  # type: ignore[call-overload]
-        numbers += [number for step in self.schedule for number in (step.P, step.Q / mu, step.load.strain / mu)]
+        for step in self.schedule:
+            numbers += [step.P, step.Q / mu, step.load.strain / mu, bool(step.state)]
         if not self.effects.has_closed_form:
             numbers += [mu, self.scaled.elastic_compliance(scene)]
         on = tuple(name for name, verdict in self.effects.verdicts.items() if verdict.on)

@@ -17,6 +17,7 @@ UNCOUPLED = BASE | {"effects.coupling": False}
 STRAINED, ELASTIC = UNCOUPLED | {"load.bulk_strain": 1e-4}, UNCOUPLED | {"effects.elastic_slip": 2e-7}
 NO_LOOP = dict.fromkeys(("load.P", "load.amplitude", "load.cycles"))
 PATH = BASE | NO_LOOP | {"load.points": [[1e6, 0.0], [1e6, 1e5], [6e5, 1e5]], "effects.elastic_slip": 2e-7}
+TWO_STEPS = UNCOUPLED | NO_LOOP | {"load.points": [[1e6, 0.0], [1e6, 1e5]], "solver.increments": 2}
 
 
 def made(keys, like=None) -> Simulation:
@@ -59,10 +60,13 @@ def test_friction_load_and_cylinder_alone_only_scale_an_uncoupled_contact(first,
         (STRAINED, {"load.mu": 0.5}),
         (ELASTIC, {"load.mu": 0.5}),
         (PATH, {"solid.E0": 70e9}),
+        (TWO_STEPS, {"load.points": [[1e6, 0.0], [1e6, 5e4], [1e6, 1e5]], "solver.increments": 1}),
     ],
 )
 def test_a_body_is_not_shared_where_the_edges_are_others(keys, changes):
-    """With coupling friction moves them; strain and elastic slip are values of their own, which nothing scales."""
+    """With coupling friction moves them; strain and elastic slip are values of their own, which nothing scales. The
+    mesh of a path is graded to the edges at its points.
+    """
     one = made(keys)
     other = made(keys | changes, one)
     assert other.body is not one.body and other.cells != one.cells
