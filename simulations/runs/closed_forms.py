@@ -7,7 +7,7 @@ import numpy as np
 from analytic import CylinderContact, ProfileContact, SpringPath, StretchedLoop
 
 from ..loading.schedule import LoadStep
-from .comparison import last_cycle
+from .comparison import MIDDLE, last_cycle
 from .history import Entry
 from .limits import BLUNTED
 
@@ -60,7 +60,7 @@ class Springs:
         """
         nodes = entry.surface
         middle = np.abs(nodes.x).argmin()
-        at_tip = np.abs(x) <= 1e-9 * nodes.weight[middle]
+        at_tip = np.abs(x) <= MIDDLE * nodes.weight[middle]
         if not self._is_sharp or not at_tip.any():
             return value(x)
         mean = within(nodes.weight[middle] / 2) / nodes.weight[middle]

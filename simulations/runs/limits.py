@@ -10,7 +10,7 @@ from math import ceil, expm1, inf, log, log10, sqrt
 
 import numpy as np
 
-from analytic import FrettingLoop, GradedHalfPlane, PowerProfile, PressingWithFriction, normal_contact
+from analytic import FrettingLoop, PowerProfile, PressingWithFriction, normal_contact
 
 from ..fem.contact_problem import ContactProblem
 from ..fem.mesh import Grading
@@ -189,20 +189,24 @@ def hidden_peak(pressing: PressingWithFriction | None, spacing: float, scaled: S
     )
 
 
-def hidden_tip(order: float, k: float, spacing: float, exact: float | None) -> str:
+def hidden_tip(spacing: float, scaled: Scaled) -> str:
     """What to say of the pressure under a tip f ~ |x|^order, sharper than a parabola, that nodes ``spacing`` a apart
     miss.
 
-    exact: the peak [Pa] where it is known. There p falls from it like |x|^(order+k-1), from an infinite one for
-    order + k <= 1. "" where the nodes show it.
+    There p falls from its peak like |x|^(order+k-1), from an infinite one for order + k <= 1. "" where the nodes show
+    it.
     """
+    order = scaled.indenter.order
     if order >= 2.0:
         return ""
-    tip = normal_contact(GradedHalfPlane(E0=1.0, nu=0.0, k=k, y0=1.0), PowerProfile(1.0, order), 1.0)
+    tip = normal_contact(scaled.solid, PowerProfile(1.0, order), 1.0)
     length = spacing * tip.a
     if tip.pressure_within(length / 2) / length > (1 - BLUNTED) * tip.pressure(0.0):
         return ""
-    peak = "not known" if exact is None else f"{exact:.3g} Pa" if exact < inf else "infinite"
+    peak = "not known"
+    if scaled.contact is not None:
+        exact = float(scaled.contact.pressure(0.0)) * scaled.scales.stress
+        peak = f"{exact:.3g} Pa" if exact < inf else "infinite"
     return (
         f"the pressure peaks at x = 0, under a tip f ~ |x|^{order:g}, and nodes are {spacing:.2g} a apart there: the "
         f"exact peak under the largest load without coupling is {peak}, the one of this mesh is lower, and it is not "

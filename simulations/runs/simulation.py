@@ -112,10 +112,7 @@ class Simulation(Plan):
         x, _ = self.ordinates
         middle = np.searchsorted(x, 0.0)
         spacing = float(x[middle + 1] - x[middle]) / self.scene.mesh.degree
-        if words := hidden_peak(self.pressing_with_friction, spacing, self.scaled):
-            return words
-        peak = float(self.contact.pressure(0.0)) * self.scaled.scales.stress if self.contact else None
-        return hidden_tip(self.scaled.indenter.order, self.scene.k, spacing, peak)
+        return hidden_peak(self.pressing_with_friction, spacing, self.scaled) or hidden_tip(spacing, self.scaled)
 
     def _first_half_width(self) -> float:
         """Of the frictionless contact under the first load; of a coating not more than a, nearly."""
