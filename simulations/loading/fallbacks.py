@@ -18,8 +18,7 @@ class Options:
 
     halvings: of a load step, one within the other; anchor_passes: solves for the anchors of points that enter contact,
     which are settled once they change by less than ``anchors_settled`` of how far they moved, in uncoupled contact,
-    where they are exact, ``anchors_settled_uncoupled``; fallbacks: names of those that are allowed; confirm: one more
-    Newton iteration after the last, to see whether contact states still change.
+    where they are exact, ``anchors_settled_uncoupled``; fallbacks: names of those that are allowed.
     """
 
     halvings: int = 6
@@ -27,15 +26,13 @@ class Options:
     anchors_settled: float = 1e-3
     anchors_settled_uncoupled: float = 1e-5
     fallbacks: tuple[str, ...] = ("jumping Newton", "Newton", "path")
-    confirm: bool = False
 
 
 @dataclass(frozen=True)
 class Fallback:
     """A way of solving a load step: when it is tried, how it works, and why that helps.
 
-    applies: to a problem; solve: from the Newton solver, the load and the options to all results, of which the last
-    counts.
+    applies: to a problem; solve: from the Newton solver and the load to all results, of which the last counts.
     """
 
     name: str
@@ -43,31 +40,31 @@ class Fallback:
     how: str
     reason: str
     applies: Callable[[ContactProblem], bool]
-    solve: Callable[[Newton, Load, Options], list[NewtonResult]]
+    solve: Callable[[Newton, Load], list[NewtonResult]]
 
     def __str__(self):
         return f"{self.name}: {self.how}, {self.when}; {self.reason}"
 
 
-def jumping_newton(newton: Newton, load: Load, options: Options) -> list[NewtonResult]:
+def jumping_newton(newton: Newton, load: Load) -> list[NewtonResult]:
     """Newton's method with jumps of edges, from the nearest state that is known."""
     start = {}
     if not newton.has_solved(load):  # else the state is that of other anchors
         start = {"extrapolate" if newton.last_steps.ahead(load) else "predict": True}
-    return [newton.solve(load, jump=True, confirm=options.confirm, **start)]
+    return [newton.solve(load, jump=True, **start)]
 
 
-def newton_as_it_is(newton: Newton, load: Load, options: Options) -> list[NewtonResult]:
+def newton_as_it_is(newton: Newton, load: Load) -> list[NewtonResult]:
     """Newton's method from the present state."""
-    return [newton.solve(load, confirm=options.confirm)]
+    return [newton.solve(load)]
 
 
-def path(newton: Newton, load: Load, options: Options) -> list[NewtonResult]:
+def path(newton: Newton, load: Load) -> list[NewtonResult]:
     """Newton's steps from the last iterate, each cut where the first point changes its state, then Newton's test."""
     followed = newton.follow(load)
     if not followed.converged:
         return [followed]
-    return [followed, newton.solve(load, confirm=options.confirm)]
+    return [followed, newton.solve(load)]
 
 
 FALLBACKS = (

@@ -2,7 +2,7 @@
 tractions zigzag and do so less with half steps."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property, partial
 
 import numpy as np
@@ -85,10 +85,6 @@ class LoadStepping:
         self._results: list[NewtonResult] = []  # of this load step
         self._unsettled = 0.0
         self._is_pressed_only = False  # in this load step and all before
-
-    def configure(self, **changes):
-        """Other ``options``, by name."""
-        self.options = replace(self.options, **changes)
 
     @property
     def system(self) -> System:
@@ -231,7 +227,7 @@ class LoadStepping:
         saved, tried = present_state.save(self.system), []
         for way in FALLBACKS:
             if way.name in self.options.fallbacks and way.applies(newton.system.problem):
-                results = way.solve(newton, load, self.options)
+                results = way.solve(newton, load)
                 self._results += results
                 tried.append(results[-1])
                 if results[-1].converged:

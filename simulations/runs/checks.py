@@ -190,11 +190,6 @@ def drift(history: History) -> float:
     return float(max(changes, default=0.0) / ends[-1].surface.pressure.max())
 
 
-def still_changing(history: History) -> int:
-    """Points whose contact state changed in the last iteration of a load step, the most of all load steps."""
-    return max((entry.changes[-1] for entry in history.entries if entry.changes), default=0)
-
-
 # a run is wrong beyond these; of c over a
 ERRORS = {"pressure_l2": 0.1, "traction_l2": 0.1, "a": 0.05, "c": 0.05, "dissipated_energy": 0.05}
 LARGE = (

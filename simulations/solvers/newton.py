@@ -101,12 +101,11 @@ class Newton:
         self.last_steps = LastSteps()
         self._solved = None  # load of the last solve, if it converged
 
-    def solve(self, load, predict=False, confirm=False, extrapolate=False, jump=False) -> NewtonResult:
+    def solve(self, load, predict=False, extrapolate=False, jump=False) -> NewtonResult:
         """Balance the line loads ``load`` (fem.load.Load), P > 0.
 
-        predict: start with a step in which all points in contact stick; confirm: one more iteration after the last, to
-        see whether contact states still change; extrapolate: start from the line through the last two load steps; jump:
-        let edges of contact and stick jump.
+        predict: start with a step in which all points in contact stick; extrapolate: start from the line through the
+        last two load steps; jump: let edges of contact and stick jump.
         """
         self._polished = False
         self._begin(load)
@@ -126,14 +125,6 @@ class Newton:
         except PETSc.Error as error:  # in which PETSc wraps whatever a callback raises, Ctrl-C too
             raise (error.__cause__ or error) from None
         code = self.snes.getConvergedReason()
-        if code > 0 and confirm:
-            kept = self.x.copy()
-            self._step()
-            self._residual(self.snes, self.x, self._f)
-            if np.all(np.isfinite(self._norms)):  # nan where every point slides at the solution
-                self._count_changes()
-            kept.copy(self.x)
-            self._residual(self.snes, self.x, self._f)
         self.system.finish(self.x)
         converged = code > 0 and max(self._norms) <= 10 * ATTAINABLE  # whatever rule of PETSc's ended it
         self._solved = load if converged else None

@@ -20,7 +20,7 @@ from ..command.command import comm, on_root, run, say
 from ..loading.stepping import SolveError
 from ..output.files import write_table, write_text
 from ..runs import critical_friction, zigzags
-from ..runs.checks import LARGE, Check, drift, still_changing
+from ..runs.checks import LARGE, Check, drift
 from ..runs.comparison import compare, worst_and_own
 from ..runs.energy import EnergyMeter, worst_defect
 from ..runs.reference import NoReference, of_same_physics
@@ -103,7 +103,6 @@ def solve(values: dict) -> dict:
 
 def _measure(scene: Scene, every_state: bool) -> dict:
     simulation = Simulation(MPI.COMM_SELF, scene)
-    simulation.solver.configure(confirm=True)
     meter = EnergyMeter(simulation.body)
     for entry in simulation.run():
         meter.read(entry)
@@ -137,7 +136,6 @@ def _measure(scene: Scene, every_state: bool) -> dict:
         "residual": max(entry.residual for entry in history.entries),
         "tolerance": tolerance,
         "residual_over_tolerance": unsettled,
-        "still_changing": still_changing(history),
         "energy_defect": balance,
         "drift": drifting,
         **{f"check {name}": c.value for name, c in checks.items()},

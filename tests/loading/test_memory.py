@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 from running import COARSE
-from solving import solved
+from solving import limit_stepping, solved
 
 from analytic import PressingWithFriction
 from simulations.api import make_scene
@@ -75,9 +75,9 @@ def test_what_sticks_all_the_way_is_exact_with_any_number_of_steps(name, error, 
     assert not failing(simulation)
 
 
-def test_anchored_where_the_step_began_points_are_too_early():
+def test_anchored_where_the_step_began_points_are_too_early(monkeypatch):
+    limit_stepping(monkeypatch, anchor_passes=0)
     simulation = Simulation(MPI.COMM_SELF, make_scene(STICKS["holl"] | MESH | {"solver.increments": 3}, base=None))
-    simulation.solver.configure(anchor_passes=0)
     assert traction_error(simulation.run_to_end()) > 0.1
     assert max(entry.unsettled for entry in simulation.history.entries) > 0.1  # and they say so
 
