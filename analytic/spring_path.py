@@ -69,10 +69,6 @@ class SpringState:
         """p(x) [stress], (7)."""
         return self.contact.pressure(x)
 
-    def pressure_within(self, x):
-        """∫_{-x}^{x} p dx [stress x length]; odd in x."""
-        return self.contact.pressure_within(x)
-
     def traction(self, x):
         """q(x) [stress], (18), on the half-plane along +x for Q > 0."""
         return self._sum(x, "pressure", "pressure_difference")
@@ -107,9 +103,11 @@ class SpringState:
         total, loads = np.zeros(np.shape(x)), self.memory.P
         for r, low, high in zip(self._ratios, loads[:-1], loads[1:], strict=True):
             contact = self.path.contact_under(high)
+            if not r:  # 0 times an infinite pressure is none
+                continue
             if low == 0:
                 total = total + r * getattr(contact, field)(x)
-            elif r:
+            else:
                 total = total + r * getattr(contact, difference)(x, log(low / high))
         return total[()]
 

@@ -86,9 +86,9 @@ def _curves(axis, entry, widest, values, lines, colour, marker="o"):
     shown = evenly(surface.x / widest, 1.1, DOTS)
     axis.plot(surface.x[shown], values[shown], marker, ms=3, color=colour)
     if lines and lines[0]:
-        inside = np.abs(surface.x) < REACH * widest
-        deviation = np.where(inside, np.abs(values - lines[0](surface.x)), -1.0)
-        worst = int(np.nanargmax(deviation))
+        deviation = np.abs(values - lines[0](surface.x))
+        inside = (np.abs(surface.x) < REACH * widest) & np.isfinite(deviation)
+        worst = int(np.argmax(np.where(inside, deviation, -1.0)))
         axis.plot(surface.x[worst], values[worst], marker, ms=3, color=colour)
         axis.plot(surface.x[worst], values[worst], **WORST)
     axis.set_xlim(-1.1 * REACH * widest, 1.1 * REACH * widest)

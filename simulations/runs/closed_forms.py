@@ -7,35 +7,37 @@ import numpy as np
 from analytic import CylinderContact, ProfileContact, SpringPath, StretchedLoop
 
 from ..loading.schedule import LoadStep
-from .comparison import MIDDLE, last_cycle
+from .comparison import last_cycle
 from .history import Entry
-from .limits import BLUNTED
 
 
 class Springs:
     """Closed forms (7), (18), (21) along the lines between the loads of a schedule; they have no load steps.
 
     contact: the frictionless contact under the largest load; mu: friction coefficient, 0 without friction;
-    schedule: the load steps, which an entry of the history names by its number.
+    schedule: the load steps, which an entry of the history names by its number; without_middle: see ``Reference``.
     """
 
     name = "closed form"
-    coarser, without_middle = None, False
+    coarser = None
 
-    def __init__(self, contact: CylinderContact | ProfileContact, mu: float, schedule: Sequence[LoadStep]):
-        self._schedule = schedule
-        self._is_sharp = isinstance(contact, ProfileContact) and contact.profile.order < 2
+    def __init__(
+        self,
+        contact: CylinderContact | ProfileContact,
+        mu: float,
+        schedule: Sequence[LoadStep],
+        without_middle: bool = False,
+    ):
+        self._schedule, self.without_middle = schedule, without_middle
         self._states = SpringPath(contact, mu or 1.0).run([(step.P, step.Q) for step in schedule])
 
     def pressure(self, entry: Entry, x: np.ndarray) -> np.ndarray:
-        """p, (7)."""
-        state = self._states[entry.number]
-        return self._with_finite_tip(entry, x, state.pressure, state.pressure_within)
+        """p, (7); it may be infinite under a sharp tip."""
+        return self._states[entry.number].pressure(x)
 
     def traction(self, entry: Entry, x: np.ndarray) -> np.ndarray:
         """q, (18); at constant P [X5]."""
-        state = self._states[entry.number]
-        return self._with_finite_tip(entry, x, state.traction, state.traction_within)
+        return self._states[entry.number].traction(x)
 
     def slip(self, entry: Entry, x: np.ndarray) -> np.ndarray:
         """u_x - delta_x, the negative of (21)."""
@@ -53,22 +55,6 @@ class Springs:
     def dissipated_energy(self) -> float:
         """Of the last full cycle, where there is none since first contact; [X4] for a cycle at constant P."""
         return last_cycle(self._states, self._schedule)
-
-    def _with_finite_tip(self, entry, x, value, within):
-        """``value`` at x. Under a sharp tip it may be infinite, or much above that of any node of the mesh: there the
-        mean over the length of surface of the node.
-        """
-        nodes = entry.surface
-        middle = np.abs(nodes.x).argmin()
-        at_tip = np.abs(x) <= MIDDLE * nodes.weight[middle]
-        if not self._is_sharp or not at_tip.any():
-            return value(x)
-        mean = within(nodes.weight[middle] / 2) / nodes.weight[middle]
-        with np.errstate(invalid="ignore"):  # 0 times an infinite pressure: the mean
-            exact = float(value(0.0))
-        if abs(mean - exact) <= BLUNTED * abs(exact) < np.inf:
-            mean = exact
-        return np.where(at_tip, mean, value(np.where(at_tip, nodes.weight[middle], x)))
 
 
 class StretchedForm:

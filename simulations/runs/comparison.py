@@ -123,8 +123,8 @@ def apart(entry: Entry, other: Reference, reference: Reference) -> dict[str, flo
 
 def _deviations(entry, computed: Callable[[str], np.ndarray], reference) -> dict[str, float]:
     x, weight = entry.surface.x, entry.surface.weight
-    if reference.without_middle:
-        weight = np.where(np.abs(x) > MIDDLE * weight, weight, 0.0)
+    compared = np.abs(x) > MIDDLE * weight if reference.without_middle else slice(None)
+    x, weight = x[compared], weight[compared]
     left, right = reference.contact(entry)
     weights = {"pressure": weight}
     if has_friction(entry, reference):
@@ -132,7 +132,7 @@ def _deviations(entry, computed: Callable[[str], np.ndarray], reference) -> dict
     if entry.step.branch != "normal":  # there is no slip before
         weights["slip"] = weight * ((x >= left) & (x <= right))
     exact = {name: getattr(reference, name)(entry, x) for name in weights}
-    return {f"{name}_l2": relative_l2(weights[name], computed(name), exact[name]) for name in weights}
+    return {f"{name}_l2": relative_l2(weights[name], computed(name)[compared], exact[name]) for name in weights}
 
 
 def compare(history: History, reference: Reference) -> dict[str, float]:

@@ -26,7 +26,7 @@ def closed_form(simulation: Simulation) -> Springs | StretchedForm | None:
         return None
     if "bulk strain" in simulation.effects and simulation.stretched:
         return StretchedForm(simulation.stretched, simulation.schedule)
-    return Springs(simulation.contact, simulation.mu, simulation.schedule)
+    return Springs(simulation.contact, simulation.mu, simulation.schedule, bool(simulation.hidden_peak))
 
 
 def neglected(simulation: Simulation) -> list[str]:

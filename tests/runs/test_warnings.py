@@ -123,9 +123,7 @@ def test_a_peak_that_the_mesh_hides_is_told_and_not_compared(k, mu, low, told):
 
 @pytest.mark.parametrize("m, k, low, told", [(1.2, 0.0, 0.22, True), (1.3, -0.3, None, True), (1.5, 0.4, 7e-4, False)])
 def test_a_sharp_tip_that_the_mesh_blunts_is_told_and_not_compared(m, k, low, told):
-    """p falls from its peak like |x|^(m+k-1), from an infinite one where this power is not positive. The mean over a
-    node, which the run is beside there, is as low as the node itself: beside it the peak would seem right.
-    """
+    """p falls from its peak like |x|^(m+k-1), from an infinite one where this power is not positive."""
     keys = {"solid.E0": 210e9, "solid.nu": 0.25, "solid.k": k, "solid.y0": 2e-3, "indenter.profile": "power"}
     keys |= {"indenter.R": 0.1, "indenter.exponent": m, "load.P": 1e6}
     simulation = Simulation(MPI.COMM_SELF, make_scene(keys, base=None)).run_to_end()
