@@ -11,7 +11,8 @@ from dolfinx import fem
 from forms.depth_map import DepthMap
 
 from .body import ElasticBody
-from .numbering import INSIDE, Numbering
+from .edge_place import LOBATTO
+from .numbering import Numbering
 
 
 @dataclass(frozen=True)
@@ -35,7 +36,7 @@ class BodySample:
 
     def displacement_at(self, x, y) -> np.ndarray:
         """Displacement (n, 2) at x, depth y (n,)."""
-        nodes = np.array([0.0, *INSIDE[self.degree], 1.0])
+        nodes = np.array([*LOBATTO[self.degree][0], 1.0])
         column, along, row, down = self._places(x, y)
         steps = np.arange(self.degree + 1)
         around = self.displacement[

@@ -15,7 +15,7 @@ from functools import cache
 import numpy as np
 from scipy.optimize import brentq
 
-RULES = {  # of (degree + 1) nodes: those but the last, which is the first of the next facet, and their weights there
+LOBATTO = {  # nodes of a facet but the last, the first of the next one, and their weights there; by degree
     1: ((0.0,), (1.0,)),
     2: ((0.0, 0.5), (1 / 3, 2 / 3)),
     3: ((0.0, (1 - 5**-0.5) / 2, (1 + 5**-0.5) / 2), (1 / 6, 5 / 12, 5 / 12)),
@@ -37,7 +37,7 @@ def zeta(power: float, t):
 
 def missed(degree: int, k: float, t):
     """φ(t) for 0 < t < 1, counted from the inner end of the facet."""
-    nodes, weights = RULES[degree]
+    nodes, weights = LOBATTO[degree]
     return sum(w * zeta((1 + k) / 2, (t - node) % 1.0) for node, w in zip(nodes, weights))
 
 

@@ -4,8 +4,8 @@ import numpy as np
 from dolfinx import fem
 
 from .body import ElasticBody
+from .edge_place import LOBATTO
 
-INSIDE = {1: (), 2: (0.5,), 3: (0.5 - 0.5 / 5**0.5, 0.5 + 0.5 / 5**0.5)}  # nodes between vertices, by degree: GLL's
 
 
 class Numbering:
@@ -116,8 +116,9 @@ class Numbering:
 
 
 def _with_nodes_between(vertices, degree):
-    between = [vertices[:-1] + share * np.diff(vertices) for share in INSIDE[degree]]
-    return np.sort(np.concatenate([vertices, *between]))
+    shares, _ = LOBATTO[degree]  # where dolfinx has its nodes
+    nodes = vertices[:-1, None] + np.array(shares) * np.diff(vertices)[:, None]
+    return np.append(nodes.ravel(), vertices[-1])
 
 
 def _number(points, x, s):

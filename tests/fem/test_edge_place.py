@@ -4,7 +4,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from simulations.fem.edge_place import RULES, best_place, missed, zeta
+from simulations.fem.edge_place import LOBATTO, best_place, missed, zeta
 
 
 @pytest.mark.parametrize("power", [0.05, 0.5, 0.95])
@@ -18,7 +18,7 @@ def test_the_zeta_function(power):
 def test_nothing_is_missed_at_the_best_place(degree, k):
     """The rule on 300 facets, of a function that ends like a root at the edge and smoothly at the other end."""
     place, beta, count = best_place(degree, k), (1 + k) / 2, 300
-    nodes, weights = RULES[degree]
+    nodes, weights = LOBATTO[degree]
 
     def error(t):
         x = (np.arange(count)[:, None] + np.array(nodes)).ravel()
