@@ -10,7 +10,6 @@ from .checks import UndefinedDisplacementError
 from .coupled import CoupledLoop
 from .cylinder import CylinderContact
 from .fretting import FrettingLoop
-from .half_plane.edge_estimate import contact_edges
 from .half_plane.layered_kernel import LayeredKernel
 from .half_plane.solver import HalfPlaneContact
 from .half_plane.surface_kernel import PowerLawKernel
@@ -44,7 +43,6 @@ __all__ = [
     "StretchedPartialSlip",
     "UndefinedDisplacementError",
     "UniformShift",
-    "contact_edges",
     "from_displacement",
     "from_traction",
     "normal_contact",

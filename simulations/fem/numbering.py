@@ -7,7 +7,6 @@ from .body import ElasticBody
 from .edge_place import LOBATTO
 
 
-
 class Numbering:
     """Places of the nodes on the tensor-product mesh of columns ``x`` (c,) and layers ``s`` (l,).
 

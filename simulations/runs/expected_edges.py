@@ -1,20 +1,22 @@
 """Expected edges of contact and stick zone, before anything is solved: the mesh is graded to them."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 
-from analytic import FrettingLoop, HalfPlaneContact, SpringPath, contact_edges
+from analytic import FrettingLoop, HalfPlaneContact, SpringPath
+from analytic.half_plane.linear import ContactNotConverged
 
-from ..loading.schedule import LoadStep
+from ..loading.schedule import LoadStep, pressing, rocking
 from ..scene import Scene
 from ..scene.effects import Effects
 from ..scene.scaling import Scaled
 from .limits import expected_error, size_for
 
-NODES = 80  # of the half-plane solver: edges to a few 1e-3 of the half-width
+NODES = 80  # of the half-plane solver: contact is met to 0.7 % and stick to 0.2 % of the half-width, k from -0.5 to 0.7
+ROUGH_QUARTER, ROUGH_PRESSING = 2, 4  # its load steps per Q_A, and of the normal stage if friction acts in it
 ONE_EDGE = 0.005  # edges closer than this (over the half-width) are one
 FACETS = 3  # from a stop to the next, so that both can be placed in theirs
 SAMPLES = 200  # of q, for its norm
@@ -178,25 +180,37 @@ def _rough_edges(scene, scaled, effects, schedule):
     """Of a loop where it turns, of a path at its points."""
     solver = half_plane_solver(scene, scaled, effects, NODES)
     if scene.is_loop:
-        Q_A = scene.load.amplitude * solver.mu
-        first = solver.friction_in_normal_stage
-        found = contact_edges(solver, 1.0, Q_A)
-        # the first loading's edges of stick lie inside the later ones, where nothing smooths what it left
-        ends, way = [*found.contact, *found.stick, *found.stick_range.ravel()], np.abs(found.contact_range)
-        if scene.mesh.edges == "states":
-            ends += [*found.contact_states.ravel(), *found.stick_states.ravel()]
-        edges = several(ends)
-        return ExpectedEdges(
-            edges,
-            contact_way=(float(way.min()), float(way.max())),
-            stick_way=(min(edges), float(way.max())),
-            fineness=FINER_WITH_COUPLING,
-            early=float((1 - next(step.Q for step in schedule if step.Q) / solver.mu) ** (1 / (2 + scene.k))),  # (48)
-            first=1 / scene.solver.normal_increments if first else None,
-        )
+        return _rough_edges_of_loop(scene, solver, next(step.Q for step in schedule if step.Q))
     edges = np.abs([(*state.contact, *state.stick) for state in solver.run([step.load for step in schedule])])
     way = float(np.nanmin(edges)), float(np.nanmax(edges))
     return ExpectedEdges(_at_points(schedule, edges), stick_way=way, fineness=FINER_WITH_COUPLING)
+
+
+def _rough_edges_of_loop(scene, solver, first_Q) -> ExpectedEdges:
+    """From one cycle with few load steps, with twice as many nodes should it fail; first_Q: of the run itself."""
+    friction_first = solver.friction_in_normal_stage
+    steps = pressing(1.0, ROUGH_PRESSING if friction_first else 1, power=1.0)
+    loads = [step.load for step in steps + rocking(1.0, scene.load.amplitude * solver.mu, 1, ROUGH_QUARTER)]
+    try:
+        states = solver.run(loads)
+    except ContactNotConverged:
+        states = replace(solver, nodes=2 * solver.nodes).run(loads)
+    cycle = states[-4 * ROUGH_QUARTER - 1 :]
+    contact, stick = (np.array([getattr(state, name) for state in cycle]) for name in ("contact", "stick"))
+    turned = stick[:: 2 * ROUGH_QUARTER]
+    # the first loading's edges of stick lie inside the later ones, where nothing smooths what it left
+    ends = [*contact[-1], *turned[-1], *np.array([turned.min(axis=0), turned.max(axis=0)]).T.ravel()]
+    if scene.mesh.edges == "states":
+        ends += [*contact.ravel(), *stick.ravel()]
+    edges, way = several(ends), np.abs(contact)
+    return ExpectedEdges(
+        edges,
+        contact_way=(float(way.min()), float(way.max())),
+        stick_way=(min(edges), float(way.max())),
+        fineness=FINER_WITH_COUPLING,
+        early=float((1 - first_Q / solver.mu) ** (1 / (2 + scene.k))),  # (48)
+        first=1 / scene.solver.normal_increments if friction_first else None,
+    )
 
 
 def several(edges) -> tuple[float, ...]:

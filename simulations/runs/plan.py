@@ -13,7 +13,7 @@ from ..scene import Scene
 from ..scene.effects import Effects
 from ..scene.scaling import Scaled
 from .coupled_loop import grades, loop_edges
-from .expected_edges import ExpectedEdges, expected_edges
+from .expected_edges import ROUGH_QUARTER, ExpectedEdges, expected_edges
 from .stretched_edges import exact_edges, rough_edges
 from .timing import Stopwatch
 
@@ -24,7 +24,6 @@ from .timing import Stopwatch
 FARTHER = 5.0
 LARGEST_POWER = 1.43  # of the exponents 1/(1+k) that FARTHER gets: beyond 200 a tractions zigzag at k = -0.9
 STUCK_TERMS = 8  # of the exact contact pressed on with friction: 1e-5 of the displacement or better
-ROUGH_QUARTER = 2  # load steps per Q_A of the rough solution that finds edges under bulk strain
 
 
 class Plan:

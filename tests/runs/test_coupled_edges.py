@@ -13,7 +13,7 @@ from simulations.runs import coupled_loop
 from simulations.runs.checks import largest_zigzag
 from simulations.runs.comparison import NoReference, worst
 from simulations.runs.coupled_loop import grades, loop_of, states_of
-from simulations.runs.expected_edges import FACETS_OF_WAY, Stop, stops_at
+from simulations.runs.expected_edges import FACETS_OF_WAY, ONE_EDGE, Stop, expected_edges, stops_at
 from simulations.runs.limits import check_size
 from simulations.runs.plan import Plan
 from simulations.runs.simulation import Simulation
@@ -34,6 +34,19 @@ def test_of_two_zones_of_stick_the_longest_counts_not_the_one_with_more_nodes():
 
 def plan(*settings) -> Plan:
     return Plan(parse(DEFAULT_SCENE, ("solid.nu=0.3", *settings)), Stopwatch())
+
+
+@pytest.mark.parametrize("k, nu, mu", [(-0.5, 0.3, 0.6), (0.0, 0.3, 0.3), (0.3, 0.3, 0.3), (0.7, 0.0, 0.6)])
+def test_rough_edges_are_those_of_the_turns(k, nu, mu):
+    """The documented accuracy, beside the solver without load steps; the contact moves aside with Q."""
+    made = plan(f"solid.k={k}", f"solid.nu={nu}", f"load.mu={mu}")
+    found = expected_edges(made.scene, made.scaled, None, made.effects, made.schedule)
+    turns = loop_of(made.scaled, mu).run([(1.0, share * made.loop.Q_A) for share in (0.0, 1.0, -1.0, 1.0)])[1:]
+    stick = np.array([state.stick for state in turns])
+    for edge in np.abs([stick[-1], stick.min(axis=0), stick.max(axis=0)]).ravel():
+        assert np.abs(np.array(found.edges) - edge).min() < ONE_EDGE + 2e-3
+    inner, outer = np.sort(np.abs(turns[-1].contact))
+    assert found.contact_way == pytest.approx((inner, outer), abs=7e-3) and outer - inner > 0.04
 
 
 def test_a_default_mesh_fits_however_far_the_contact_goes():

@@ -1,4 +1,4 @@
-"""The exact reference of uncoupled runs: on loops the closed forms, at a sharp tip all but its node, on paths no load steps."""
+"""The exact reference of uncoupled runs: on loops the closed forms, on paths no load steps, a sharp tip left out."""
 
 import pytest
 from mpi4py import MPI
