@@ -86,20 +86,15 @@ class CylinderContact:
         """∫_{-x}^{x} p dx [stress x length], the load between -x and x; odd in x, ±P beyond ±a."""
         return self.P * load_fraction(x, self.a, self.solid.k)
 
-    def relative_displacement(self, x, half_width=None):
-        """h_y(x) [length]: depth of the point x = 0 below x; f(x) in the contact, (45) beside it.
-
-        half_width: that of another load, instead of a. Evaluated as [X2].
-        """
-        s = self.a if half_width is None else half_width
+    def relative_displacement(self, x):
+        """h_y(x) [length]: depth of the point x = 0 below x; f(x) in the contact, (45) beside it, as [X2]."""
         x = np.abs(np.asarray(x, dtype=float))
-        return self.profile(x) * parabolic_relative_displacement(x, s, self.solid.k)
+        return self.profile(x) * parabolic_relative_displacement(x, self.a, self.solid.k)
 
-    def gap(self, x, half_width=None):
+    def gap(self, x):
         """Gap f(x) - h_y(x) beside the contact [length], zero within it, [X2]."""
-        s = self.a if half_width is None else half_width
         x = np.abs(np.asarray(x, dtype=float))
-        return self.profile(x) * parabolic_gap(x, s, self.solid.k)
+        return self.profile(x) * parabolic_gap(x, self.a, self.solid.k)
 
     def displacement(self, x):
         """u_y(x) [length], (10). k > 0 only."""

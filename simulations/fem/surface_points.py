@@ -11,7 +11,6 @@ from .body import ElasticBody
 from .parallel import gathered
 
 SIDES = -1, 1  # left and right of the contact
-NO_CELLS = np.array([], dtype=np.int32)  # for dolfinx: the cells of the source are those of the target
 
 
 class SurfacePoints:
@@ -65,8 +64,7 @@ class PointExpression:
 
     def into(self, field: fem.Function):
         """Evaluate it into a ``field`` of the points."""
-        # past the wrapper in Python (as of dolfinx 0.9), which is dearer than what it wraps
-        field._cpp_object.interpolate(self._compiled._cpp_object, self._points.body.strip_cells, NO_CELLS)
+        field.interpolate(self._compiled, self._points.body.strip_cells)
         field.x.scatter_forward()
 
     def values(self) -> np.ndarray:
