@@ -7,7 +7,6 @@ distance from the edge, up to e²: B d^(β-1) (d - β e). It vanishes at d = β 
 next edge is too far out by (β-k) e. As both factors are known so is e: states that lie beyond are imposed on the points
 between for one step. There points that were made to slide may turn round; they belong to the zone of stick again.
 
-The facets move edges a little, and so a jump may overshoot: none goes to where the edge was before in the same solve.
 Where the load goes on as it did, the first jump is to the edges expected: those of the last three load steps lie on a
 parabola. The test of what is accepted knows nothing of all this.
 """
@@ -36,14 +35,12 @@ class EdgeJumps:
         self._inwards, self._outwards = 2 / (1 + k), 2 / (3 - k)
         self._used: np.ndarray | None = None  # edges of the last step,
         self._states: np.ndarray | None = None  # and its states
-        self._places: list[np.ndarray] = []  # points beyond the edges of the steps so far
         self._accepted: list[tuple] = []  # loads and edges of the last load steps that went one way, three at most
         self._expected: np.ndarray | None = None  # edges on the polynomial through these
 
     def begin(self, load):
         """Forget the last step; edges are expected where those accepted lead under ``load`` (fem.load.Load), if any."""
         self._states = self._used = self._expected = None
-        self._places = []
         if load is not None and len(self._accepted) >= 2:
             loads, edges = (np.array(values) for values in zip(*self._accepted))
             done = loads[-1] - loads[-2]
@@ -84,7 +81,7 @@ class EdgeJumps:
         edges, used = self._edges(zones), self._used
         if jump and edges is not None and (used is not None or self._expected is not None):
             new = self._expected if used is None else self._moved_edges(used, edges)
-            edges = self._jump(self._new_places(new, edges), edges, zones, imposed)
+            edges = self._jump(new, edges, zones, imposed)
             imposed[against & (self._x > edges[1]) & (self._x < edges[2])] = PINNED
         for value, state in ((DRIVEN_FORWARD, FORWARD), (DRIVEN_BACKWARD, BACKWARD), (LIFTED, OPEN), (PINNED, CLOSED)):
             law = np.where(imposed == value, state, law)
@@ -94,13 +91,6 @@ class EdgeJumps:
     def _moved_edges(self, used, edges):
         """Where the edges (4,) are, from those of the last step and of the law."""
         return np.array([self._moved(u, e, side) for u, e, side in zip(used, edges, np.repeat(SIDES, 2))])
-
-    def _new_places(self, new, edges):
-        """Those of ``new`` edges where none was before in this solve, and the law's ``edges`` for the others."""
-        places = np.searchsorted(self._x, new)
-        again = np.any(np.reshape(self._places, (-1, 4)) == places, axis=0)
-        self._places.append(places)
-        return np.where(again, edges, new)
 
     def _jump(self, new, edges, law, imposed):
         """Impose states (n,) on the points between ``edges`` of Coulomb's law and ``new`` ones, which are returned."""

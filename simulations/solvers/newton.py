@@ -29,8 +29,7 @@ OVER_ROUND_OFF = 4.0  # residuals are balanced this many times above the last di
 SETTLED = 1e-11  # force residual / P above which a balanced state gets one more step: what is left of a long first one;
 # above round-off where contact states are at rest
 PATH = "path_max_it", 400  # option: steps at most of a path on which contact states change one by one
-STEP_TOLERANCE = 1e-11  # a step this small (relative) ends the iteration if round-off holds the residual up ...
-ATTAINABLE = 1e-6  # ... below this
+ATTAINABLE = 1e-6  # residual up to which a solve may end that round-off holds up
 JUMPS = 6  # first iterations of a solve in which edges may jump
 
 
@@ -246,10 +245,9 @@ class Newton:
                 return reason.CONVERGED_FNORM_ABS
             self._polished = True
             return reason.CONVERGED_ITERATING
-        small_step = iteration > 0 and norms[1] <= STEP_TOLERANCE * norms[0]
         # With the contact states at rest the problem is linear and one step ends it: what is left is round-off.
         at_rest = self._changes[-2:] == [0, 0] and force > before / 10
-        if (small_step or at_rest) and force <= ATTAINABLE and imbalance <= 10 * ATTAINABLE:  # a sum of many forces
+        if at_rest and force <= ATTAINABLE and imbalance <= 10 * ATTAINABLE:  # a sum of many forces
             self._tolerance = max(self._tolerance, force, imbalance / 10)
             return reason.CONVERGED_SNORM_RELATIVE
         if last:

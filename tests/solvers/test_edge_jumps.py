@@ -99,19 +99,6 @@ def test_where_the_load_turned_all_of_the_contact_stuck():
     assert found.after(states(-1.0, -0.8, 0.8, 1.0), True) is None
 
 
-def test_edges_do_not_jump_to_where_they_were():
-    """From -0.74 to -0.76, and back to -0.74 by a law's edge at -0.75: there it stays with the law."""
-
-    def jump_back(last):
-        found = jumps(0.0)
-        for inner in (-0.8, -0.77, -0.77):
-            found.after(states(-1.0, inner, 0.8, 1.0), True)
-        return found.after(states(-1.0, last, 0.8, 1.0), True)
-
-    nothing = [jump_back(-0.75 + n * SPACING) is None for n in range(-3, 4)]
-    assert 1 <= sum(nothing) <= 2
-
-
 def test_the_answer_does_not_depend_on_the_jumps(monkeypatch):
     """Nor on where a step starts; with both there are fewer iterations."""
     keys = {"solid__k": 0.0, "solid__nu": 0.3, "solver__increments": 5}
