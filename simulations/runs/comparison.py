@@ -51,11 +51,12 @@ class Reference(Protocol):
 
 
 class OfStates:
-    """Reference made of the states of a half-plane solver at the load steps, dimensionless like the history.
+    """Reference made of the states of a half-plane solver, or of another run, dimensionless like the history.
 
     states: with p, q and slip at any x; energy: as ``History.dissipated_energy``; without_middle: see ``Reference``.
     """
 
+    name = "another run"
     coarser: Reference | None = None
 
     def __init__(self, states: Sequence, energy: float, without_middle: bool = False):
@@ -89,6 +90,11 @@ class OfStates:
     def dissipated_energy(self) -> float:
         """Of the last full cycle, where there is none since first contact."""
         return self._energy
+
+
+def of_history(history: History) -> OfStates:
+    """Another run of the same schedule as reference."""
+    return OfStates(history.entries, history.dissipated_energy)
 
 
 def last_cycle(states: Sequence, schedule: Sequence[LoadStep]) -> float:

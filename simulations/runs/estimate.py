@@ -9,9 +9,8 @@ from ..loading.stepping import SolveError
 from ..scene import Scene, SceneError, accuracy, make_scene
 from ..scene.effects import Effects
 from .checks import Check
-from .comparison import QUANTITIES, compare, worst
+from .comparison import QUANTITIES, compare, of_history, worst
 from .coupled_loop import serves
-from .history import Entry, History
 from .report_data import Comparison
 from .simulation import Simulation
 
@@ -64,47 +63,6 @@ def measured(exact: Comparison | None, wanted: float) -> Errors | None:
     if exact is None or max(exact.own.values(), default=0.0) > WELL_KNOWN * wanted:
         return None
     return Errors({name: e for name, e in exact.deviations.items() if name in QUANTITIES}, exact.worst, False)
-
-
-class Solved:
-    """Another run of the same schedule as reference, between its nodes interpolated."""
-
-    name = "finer mesh"
-    coarser, without_middle = None, False
-
-    def __init__(self, history: History):
-        """history: of the increments of the run whose entries this is asked about."""
-        self.history = history
-
-    def _at(self, entry: Entry) -> Entry:
-        return self.history.entries[entry.number]
-
-    def _interpolated(self, entry, x, values):
-        return np.interp(x, self._at(entry).surface.x, values)
-
-    def pressure(self, entry, x):
-        """p."""
-        return self._interpolated(entry, x, self._at(entry).surface.pressure)
-
-    def traction(self, entry, x):
-        """q."""
-        return self._interpolated(entry, x, self._at(entry).surface.traction)
-
-    def slip(self, entry, x):
-        """Slip."""
-        return self._interpolated(entry, x, self._at(entry).slip)
-
-    def contact(self, entry):
-        """Edges of the contact."""
-        return self._at(entry).contact
-
-    def stick_half_width(self, entry):
-        """c."""
-        return self._at(entry).c
-
-    def dissipated_energy(self):
-        """As in the history."""
-        return self.history.dissipated_energy
 
 
 def judged(
@@ -169,7 +127,7 @@ def estimated(simulation: Simulation, other: Simulation, ratio: float) -> Errors
     The difference is the coarser mesh's error; it is divided by the ``ratio`` that the errors of both meshes have
     where there are closed forms, and multiplied by the margin of the table.
     """
-    factor, finer = accuracy.MARGIN / max(ratio, 1.0), Solved(simulation.history)
+    factor, finer = accuracy.MARGIN / max(ratio, 1.0), of_history(simulation.history)
     found = compare(other.history, finer), worst(other.history, finer)
     last, worst_state = ({name: factor * abs(v) for name, v in f.items()} for f in found)
     return Errors(last, worst_state, True)

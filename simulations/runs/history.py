@@ -54,6 +54,23 @@ class Entry:
         """Stick half-width."""
         return float(self.stick[1] - self.stick[0]) / 2
 
+    @property
+    def stick_zones(self) -> np.ndarray:
+        """Edges of the stick zone, (1, 2); (0, 2) where every point slips."""
+        return np.array([self.stick]) if np.isfinite(self.stick[0]) else np.empty((0, 2))
+
+    def pressure_at(self, x) -> np.ndarray:
+        """p at x, between nodes interpolated."""
+        return np.interp(x, self.surface.x, self.surface.pressure)
+
+    def traction_at(self, x) -> np.ndarray:
+        """q, likewise."""
+        return np.interp(x, self.surface.x, self.surface.traction)
+
+    def slip_at(self, x) -> np.ndarray:
+        """``slip``, likewise."""
+        return np.interp(x, self.surface.x, self.slip)
+
 
 @dataclass
 class History:

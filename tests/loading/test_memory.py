@@ -14,8 +14,7 @@ from simulations.loading import anchors
 from simulations.loading.stepping import LoadStepping
 from simulations.runs import checks, comparison
 from simulations.runs.closed_forms import Springs
-from simulations.runs.comparison import compare, compare_state, own_errors, relative_l2
-from simulations.runs.estimate import Solved
+from simulations.runs.comparison import compare, compare_state, of_history, own_errors, relative_l2
 from simulations.runs.history import all_states
 from simulations.runs.mesh_free import MeshFree
 from simulations.runs.reference import describe, of_same_physics
@@ -179,7 +178,7 @@ def test_a_circle_pressed_with_friction_in_one_step():
     pressed = few.history.entries[0], many.history.entries[11]
     assert pressed[0].dissipated == pytest.approx(pressed[1].dissipated, rel=0.05)
     reference, finer = (MeshFree(few, nodes=(120,), finer=finer) for finer in (2, 8))
-    assert apart_in_slip(few, reference, finer) < 0.1 * apart_in_slip(few, Solved(few.history), finer)
+    assert apart_in_slip(few, reference, finer) < 0.1 * apart_in_slip(few, of_history(few.history), finer)
     assert pressed[0] in all_states(few.history)
 
 
