@@ -18,7 +18,7 @@ from ..loading.schedule import LoadStep
 from ..scene import Scene
 from ..scene.effects import Effects
 from ..scene.scaling import Scaled
-from .expected_edges import MERGED, TURNED, ExpectedEdges, several, stops_at
+from .expected_edges import MERGED, TURNED, ExpectedEdges, several, share_of_limit, stops_at
 
 LOWEST, HIGHEST = -0.9, 0.9  # k for which docs/accuracy.md has what both orders of the basis differ by
 STEEP = -0.5  # k below which pressure zigzags where its edge has no place in a facet: by 15 % at k = -0.6
@@ -75,11 +75,12 @@ def loop_edges(scene: Scene, scaled: Scaled, mu: float, schedule: Sequence[LoadS
     for before, state in zip(states, states[1:]):
         kink = TURNED if state.Q < before.Q else kink
         edges = (*state.contact, *state.stick)
-        share = np.sqrt(state.weight @ state.traction**2 / (state.weight @ (mu * state.pressure) ** 2))
+        length = np.sqrt(state.weight)
+        share = share_of_limit(length * state.traction, length * state.pressure, mu)
         if np.isclose(abs(state.Q), Q_A) or (scene.mesh.edges == "states" and _is_quarter(state.Q / Q_A)):
             ends = [*edges, *ends]  # the last first
         else:
-            stops += [(abs(edge), float(part)) for edge, part in zip(edges, share / [1.0, 1.0, kink, kink])]
+            stops += [(abs(edge), float(part)) for edge, part in zip(edges, share / np.array([1.0, 1.0, kink, kink]))]
     return ExpectedEdges(several(ends), stops=stops_at(stops, MERGED * scene.cell_sizes["edge_facet"]), exact=True)
 
 

@@ -137,10 +137,15 @@ def expected_edges(
         return ExpectedEdges((1.0,), unknown=str(reason))
 
 
+def share_of_limit(q, p, mu: float) -> float:
+    """Size of q over that of its limit mu p, in L2, from values at points that stand for equal lengths."""
+    return float(np.linalg.norm(q) / (mu * np.linalg.norm(p)))
+
+
 def _stops(states, contact_moves: bool = False) -> Iterable[tuple[float, float]]:
     """Of states of a SpringPath places and shares of q: edges of stick, each once, and of contact if they move."""
     seen = set()  # on the way up q is what it was on the way down, with the other sign
-    width, limit = 0.0, 0.0
+    width, p = 0.0, np.zeros(0)
     for state in states:
         a, c, turns = state.contact_half_width, state.stick_half_width, len(state.memory.P)
         if (key := (round(a, 9), round(c, 9), turns)) in seen or not (contact_moves or c < a):
@@ -148,8 +153,8 @@ def _stops(states, contact_moves: bool = False) -> Iterable[tuple[float, float]]
         seen.add(key)
         x = a * np.linspace(-1.0, 1.0, SAMPLES + 2)[SAMPLES // 2 + 1 : -1]  # half of them: p and q are even
         if a != width:
-            width, limit = a, state.memory.mu * np.linalg.norm(state.pressure(x))
-        share = float(np.linalg.norm(state.traction(x)) / limit)
+            width, p = a, state.pressure(x)
+        share = share_of_limit(state.traction(x), p, state.memory.mu)
         if contact_moves:  # where q ends too, if there is any
             yield a, share or 1.0
         if c < a:

@@ -8,7 +8,7 @@ from ..fem.load import Load
 from ..scene import Scene, SceneError
 from ..scene.effects import Effects
 from ..scene.scaling import Scaled
-from .expected_edges import NODES, SAMPLES, TURNED, ExpectedEdges, half_plane_solver, several, stops_at
+from .expected_edges import NODES, SAMPLES, TURNED, ExpectedEdges, half_plane_solver, several, share_of_limit, stops_at
 from .limits import NARROWEST
 
 FINER_FACETS = 6.0  # facets on the ways of the edges of stick where these are not known exactly
@@ -18,15 +18,14 @@ def exact_edges(loop: StretchedLoop, loads: list[Load]) -> ExpectedEdges:
     """The stick zone of a schedule's every load step is moved aside, [X7]; loop: in the units of the loads."""
     a, ends = loop.loop.a, loop.shift + loop.c * np.array([-1.0, 1.0])
     x = a * np.linspace(-1.0, 1.0, SAMPLES + 2)[1:-1]
-    limit = loop.loop.mu * np.linalg.norm(loop.loop.contact.pressure(x))
-    found = []
+    p, found = loop.loop.contact.pressure(x), []
     for before, load in zip(loads, loads[1:]):
         branch = "unloading" if load.Q < before.Q else "initial"
         if abs(load.Q) == loop.loop.Q_A or (branch == "initial" and before.Q < 0):
             continue  # an edge where the load turns; or the mirror image of an unloading
         centre, c = loop.zone(load.Q, branch)
         kink = 1.0 if branch == "initial" else TURNED
-        share = float(np.linalg.norm(loop.traction(x, load.Q, branch)) / limit / kink)
+        share = share_of_limit(loop.traction(x, load.Q, branch), p, loop.loop.mu) / kink
         found += [(abs(end), share) for end in (centre - c, centre + c) if round(abs(end) / a, 9) < 1.0]
     return ExpectedEdges(several([*ends / a, 1.0]), stops=stops_at(found), exact=True)
 
