@@ -39,16 +39,13 @@ class Modulus(Protocol):
 
     @property
     def is_singular(self) -> bool:
-        """True where E is infinite on the surface."""
+        """True where E is infinite on the surface; it then has ``layer_mean(top, bottom)`` as the power law does."""
 
     def young(self, y):
         """Young's modulus at depth ``y``."""
 
     def depth_map(self) -> DepthMap:
         """The depth coordinate in which the displacement is smooth."""
-
-    def layer_mean(self, top, bottom):
-        """Exact mean of E over depths ``top`` to ``bottom`` (numpy arrays), top < bottom."""
 
     def surface_moduli(self, h, depth: DepthMap):
         """Finite surface values ``(along, into)`` of the modulus for a first cell of height ``h``.
@@ -151,21 +148,6 @@ class Coating:
     def depth_map(self) -> DepthMap:
         """The depth itself: E is finite on the surface."""
         return DepthMap()
-
-    def layer_mean(self, top, bottom):
-        """Exact mean of E over depths ``top`` to ``bottom`` (numpy arrays), top < bottom."""
-        h = self.thickness
-        below = (bottom - up_to(h, bottom)) - (top - up_to(h, top))
-        return (self._integral(up_to(h, bottom)) - self._integral(up_to(h, top)) + self.substrate * below) / (
-            bottom - top
-        )
-
-    def _integral(self, y):
-        """Integral of E from the surface to y <= thickness."""
-        share, contrast = y / self.thickness, self.substrate / self.surface
-        if self.exponential and contrast != 1.0:
-            return self.surface * self.thickness * np.expm1(share * np.log(contrast)) / np.log(contrast)
-        return y * (self.surface + (self.substrate - self.surface) * share / 2)
 
     def surface_moduli(self, h, depth: DepthMap):
         """E on the surface, twice."""

@@ -113,7 +113,7 @@ class FieldWriter:
         modulus, depth, s = self.scaled.modulus, sample.depth, sample.s
         y = depth.y(s)
         if modulus.is_singular:
-            return modulus.layer_mean(y[:-1], y[1:])
+            return modulus.layer_mean(y[:-1], y[1:])  # type: ignore[attr-defined]  # singular
         points, weights = gauss(3)
         at = s[:-1, None] + np.diff(s)[:, None] * points
         flexibility = depth.stretch(at) / modulus.young(depth.y(at))  # in ds: constant for a power law

@@ -17,9 +17,9 @@ MODULI = [
 ]
 
 
-@pytest.mark.parametrize("modulus", MODULI, ids=str)
+@pytest.mark.parametrize("modulus", MODULI[:4], ids=str)
 def test_layer_means(modulus):
-    """Layers that begin on the surface, lie in the graded part, reach beyond it, and lie below."""
+    """Of power laws: layers that begin on the surface, lie in the graded part, reach beyond it, and lie below."""
     top, bottom = np.array([0.0, 0.1, 0.3, 0.7]), np.array([0.1, 0.3, 0.7, 1.5])
     exact = [quad(modulus.young, *ends, points=[0.5], epsabs=1e-13, epsrel=1e-12)[0] for ends in zip(top, bottom)]
     assert modulus.layer_mean(top, bottom) == pytest.approx(exact / (bottom - top), rel=1e-9)
