@@ -125,9 +125,7 @@ class PunchSuperposition:
     def _up_to(self, x, width):
         """The punches narrower than x < a."""
         wider = self.a - x
-        return replace(
-            self, density=lambda s, e: self.density(s, wider + e), a=x, width=width, edge_power=0.0
-        )
+        return replace(self, density=lambda s, e: self.density(s, wider + e), a=x, width=width, edge_power=0.0)
 
     def _relative_displacement(self, x):
         powers = min(self.k, 0.0), (1 - self.k) / 2

@@ -56,33 +56,19 @@ class GradedHalfPlane:
     def C(self):
         """Parameter C of (4)."""
         k, beta = self.k, self.beta
-        return (
-            2 ** (1 + k) / pi * gamma((3 + k + beta) / 2) * gamma((3 + k - beta) / 2) / gamma(2 + k)
-        )
+        return 2 ** (1 + k) / pi * gamma((3 + k + beta) / 2) * gamma((3 + k - beta) / 2) / gamma(2 + k)
 
     @property
     def bk(self):
         """b·k of (3), finite and positive for every k; 2(1-nu²)/pi for k = 0."""
-        return (
-            (1 - self.nu)
-            * (1 + self.nu)
-            * self.beta
-            * self.C
-            * sin(self.beta * pi / 2)
-            / (1 + self.k)
-        )
+        nu, beta = self.nu, self.beta
+        return (1 - nu) * (1 + nu) * beta * self.C * sin(beta * pi / 2) / (1 + self.k)
 
     @property
     def gk(self):
         """g·k of (3), finite and positive for every k; 2(1-nu²)/pi for k = 0."""
-        return (
-            (1 - self.nu)
-            * (1 + self.nu)
-            * (1 + self.k)
-            * self.C
-            * sin(self.beta * pi / 2)
-            / self.beta
-        )
+        nu, beta = self.nu, self.beta
+        return (1 - nu) * (1 + nu) * (1 + self.k) * self.C * sin(beta * pi / 2) / beta
 
     @property
     def b(self):

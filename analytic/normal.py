@@ -76,9 +76,7 @@ class ProfileContact:
     def _between(self, start, width, power=0.0):
         """The punches start < s < a; width = a - start."""
         k, compliance = self.solid.k, self.solid.normal_compliance
-        return PunchSuperposition(
-            k, compliance, self.density, self.a, start, power=power, width=width
-        )
+        return PunchSuperposition(k, compliance, self.density, self.a, start, power=power, width=width)
 
     def pressure(self, x):
         """Contact pressure p(x) [stress], zero for |x| >= a, (7)."""

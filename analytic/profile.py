@@ -90,24 +90,13 @@ class PowerProfile:
 
     def abel_integral(self, s, k):
         """∫_0^s x f'(x) (s²-x²)^(-(1-k)/2) dx."""
-        return (
-            self.A
-            * self.m
-            * euler_beta((self.m + 1) / 2, (1 + k) / 2)
-            / 2
-            * np.asarray(s) ** (self.m + k)
-        )
+        m = self.m
+        return self.A * m * euler_beta((m + 1) / 2, (1 + k) / 2) / 2 * np.asarray(s) ** (m + k)
 
     def abel_density(self, s, k):
         """s^-k d/ds of abel_integral."""
-        return (
-            self.A
-            * self.m
-            * (self.m + k)
-            * euler_beta((self.m + 1) / 2, (1 + k) / 2)
-            / 2
-            * np.asarray(s) ** (self.m - 1)
-        )
+        m = self.m
+        return self.A * m * (m + k) * euler_beta((m + 1) / 2, (1 + k) / 2) / 2 * np.asarray(s) ** (m - 1)
 
 
 def abel_factor(k, compliance):
