@@ -16,7 +16,7 @@ from mpi4py import MPI
 from .runs import checks, comparison, estimate, reference, report_data
 from .runs.history import Entry
 from .runs.simulation import Simulation
-from .scene import DEFAULT_SCENE, Scene, make_scene
+from .scene import DEFAULT_SCENE, Scene, SceneError, make_scene
 
 _ALONE = RLock()  # gmsh and PETSc crash where several threads are in them at once
 
@@ -134,6 +134,8 @@ def run(
     makes it an error). What theory or mesh show badly is a warning too. comm: every rank of it calls ``run`` and gets
     the whole result; progress: called with each entry of the history. Threads that call ``run`` wait for each other.
     """
+    if isinstance(changes, Scene) and base is not DEFAULT_SCENE:
+        raise SceneError("base is not allowed beside a Scene: keys and values are changes of a base")
     with _ALONE:
         scene = changes if isinstance(changes, Scene) else make_scene(changes, base)
         simulation = Simulation(comm, scene)

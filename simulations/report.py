@@ -132,11 +132,13 @@ def _fields(summary):
 def _checks(summary):
     if not summary.get("checks"):
         return "<p>The run did not reach its end: nothing was checked.</p>"
-    table = [["", "value", "limit", ""]]
+    table, causes = [["", "value", "limit", ""]], []
     for name, check in summary["checks"].items():
         numbers = ("none" if v is None else f"{abs(v):.1e}" if v else "0" for v in (check["value"], check["limit"]))
         table.append([CHECKS.get(name, name), *numbers, "holds" if check["holds"] else "fails"])
-    return _table(table)
+        if not check["holds"] and check.get("cause"):
+            causes.append(_paragraph(f"{CHECKS.get(name, name)}: {check['cause']}", "bad"))
+    return _table(table) + "".join(causes)
 
 
 def _surface(folder, rows):

@@ -135,6 +135,7 @@ def test_a_scene_may_be_a_file(tmp_path):
     ("wrong", "said"),
     [
         (lambda: run("mine.toml"), "changes = 'mine.toml' are not allowed"),
+        (lambda: run(make_scene(), base=make_scene()), "base is not allowed beside a Scene"),
         (lambda: make_scene([1, 2]), "changes = .1, 2. are not allowed"),
         (lambda: make_scene({}, base="mine.toml"), "base = 'mine.toml' is not allowed: TOML text, a pathlib.Path"),
         (lambda: make_scene({}, base=3), "base = 3 is not allowed"),

@@ -181,6 +181,10 @@ def writable(folder: Path, option: str = "--output") -> Path:
         except (OSError, ValueError):
             _remove_empty(missing)
             raise
+    except FileExistsError as error:
+        place = Path(error.filename)
+        why = f"{shown(place)} is {'a link to what is not there' if place.is_symlink() else 'a file'}, not a folder"
+        raise SceneError(f"{option} {shown(folder)} cannot be written: {why}") from None
     except (OSError, ValueError) as error:
         raise SceneError(f"{option} {shown(folder)} cannot be written: {getattr(error, 'strerror', error)}") from None
     return folder

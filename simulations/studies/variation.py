@@ -71,8 +71,9 @@ def read_table(path: Path) -> list[Changes]:
     """Rows of a CSV file whose columns are keys of the scene."""
     head, *lines = list(csv.reader(io.StringIO(read_text(path, "--csv-in")))) or [[]]
     names = [name.strip() for name in head]
-    if len(names) == 1 and ";" in names[0]:
-        raise SceneError(f"--csv-in {shown(path)} is not allowed: its columns are separated by ;, and are to be by ,")
+    for mark, word in ((";", ";"), ("\t", "tabs")):
+        if len(names) == 1 and mark in names[0]:
+            raise SceneError(f"--csv-in {shown(path)} is not allowed: its columns are separated by {word}, not by ,")
     if not lines or "" in names or len(set(names)) < len(names):
         raise SceneError(f"--csv-in {shown(path)} is not allowed: a line of different keys, then lines of values")
     rows = []
@@ -166,10 +167,11 @@ def check(text: str, sets: tuple[str, ...], cases: list[Changes]):
             accepted.update(entries)
             if len(accepted) == len(entries):
                 _check_order(text, sets, changes)
-    for entry, reason in refused.items():
-        if entry not in accepted:
-            _check_base(text, sets, reason)
-            raise SceneError(f"{entry[0]} = {one_line(entry[1])} is to vary, but: {reason}")
+    never = [entry for entry in refused if entry not in accepted]
+    if never:
+        blamed = min(never, key=lambda entry: not str(refused[entry]).startswith(f"{entry[0]} = "))  # else the first
+        _check_base(text, sets, refused[blamed])
+        raise SceneError(f"{blamed[0]} = {one_line(blamed[1])} is to vary, but: {refused[blamed]}")
 
 
 def _check_base(text: str, sets: tuple[str, ...], reason: SceneError):

@@ -74,6 +74,14 @@ def test_the_users_files_are_never_touched(tmp_path, more):
     assert "holds history.csv, which is not as a run wrote it" in refusal(arguments(tmp_path, *more))
 
 
+def test_a_link_to_what_is_not_there_is_named(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "link").symlink_to("nowhere")
+    for folder in ("link", "link/run"):
+        assert "written: link is a link to what is not there, not a folder" in refusal(arguments(folder))
+    assert [path.name for path in tmp_path.iterdir()] == ["link"]
+
+
 def test_a_scene_that_was_edited_after_the_run_is_the_users(finished, tmp_path):
     folder = tmp_path / "run"
     fretting.main(arguments(folder))

@@ -80,11 +80,12 @@ def without_pictures(folder):
 
 def test_a_check_that_fails_is_said(folder):
     summary = summary_of(folder)
-    summary["checks"]["gap >= 0"] = {"value": 0.02, "limit": 1e-3, "holds": False}
+    summary["checks"]["gap >= 0"] = {"value": 0.02, "limit": 1e-3, "cause": "a coarse mesh", "holds": False}
     (folder / "summary.json").write_text(json.dumps(summary | {"checks_hold": False}))
     without_pictures(folder)
     text = Page(report.page(folder)).text
     assert "checks of the result fail" in text and "2.0e-02 1.0e-03 fails" in text
+    assert text.count(f"{CHECKS['gap >= 0']}: a coarse mesh") == 1
 
 
 def test_a_half_width_that_is_not_known_is_a_dash(folder):

@@ -265,7 +265,7 @@ REFUSED: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "resume nowhere": (("--resume", ""), ("argument --resume: '' is not allowed",)),
     "scene without a name": (("",), ("argument scene: '' is not allowed",)),
     "output below a file": (("--output", "empty.toml/results"), ("--output", "Not a directory")),
-    "output is a file": (("--output", "empty.toml"), ("--output", "File exists")),
+    "output is a file": (("--output", "empty.toml"), ("--output", "empty.toml is a file, not a folder")),
     "output in /proc": (("--output", "/proc/results"), ("--output", "cannot be written")),
     "resume nothing": (("--resume", "."), ("not the folder of a run",)),
     "resume absent": (("--resume", "absent"), ("not the folder of a run",)),

@@ -42,7 +42,9 @@ def test_bad_input_is_one_line(tmp_path, monkeypatch, words, said):
 
 SHORT, HOLE = "solid.k,load.mu\n0.1\n", "solid.k\n0.1\n \n"
 TABLES = {"": "keys", "solid.k\n": "keys", "solid.k,solid.k\n1,2\n": "keys", "solid.kk\n0.1\n": "solid.k?"}
-TABLES |= {"solid.k;load.mu\n0,1;0,2\n": "separated by ;"}
+TABLES |= {"solid.k;load.mu\n0,1;0,2\n": "separated by ;", "solid.k\tload.mu\n0.1\t0.2\n": "separated by tabs"}
+TABLES |= {"solid.k,load.mux\n0.1,0.3\n": "load.mux = 0.3 is to vary, but: load.mux = 0.3 is not a key"}
+TABLES |= {"load.P,load.mu\n1e6,200\n1e7,300\n": "load.mu = 200 is to vary, but: load.mu = 200 is not allowed"}
 TABLES |= {SHORT: "line 2", HOLE: "line 3", "solid.k\n0.1\n0.1\n": "twice"}
 
 
