@@ -1,9 +1,8 @@
 """Press a rigid cylinder onto a graded half-plane and rock it:  python -m simulations.fretting [SCENE.toml]."""
 
-import shlex
 import sys
 
-from .command.arguments import Request, read_request, set_petsc_options
+from .command.arguments import Request, command_line, read_request, set_petsc_options
 from .command.command import comm, on_root, run, say
 from .command.progress import Progress
 from .command.stopping import stopping
@@ -52,7 +51,7 @@ def main(
         stopping.tell(f"start again with {request.command}")
         progress = Progress(request.quiet)
         simulation = prepare(request, progress)
-        again = shlex.join(["python", "-m", program, "--resume", str(folder), *request.petsc])
+        again = command_line(program, "--resume", str(folder), *request.petsc)
         go(simulation, folder, progress, again)
 
 

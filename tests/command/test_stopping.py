@@ -13,6 +13,8 @@ import numpy as np
 import pytest
 from running import coarse_arguments, ranks_of, run_command, start_python
 
+from simulations.command.arguments import command_line
+
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGKILL)
 MOMENTS = {1: 12, 2: 8}  # by ranks
 LINE = ("go on with python -m simulations.fretting --resume", "start again with python -m simulations.fretting")
@@ -43,6 +45,14 @@ def stopped(process, victim, number, after):
 def surface(folder):
     with h5py.File(folder / "surface.h5") as file:
         return {name: file[name][...] for name in ("pressure", "traction", "slip")}
+
+
+def test_what_is_to_be_typed_goes_by_docker_run_where_that_was_used(monkeypatch):
+    monkeypatch.setenv("GRADED_FRETTING_RUN", "/my folder/docker/run")
+    said = command_line("simulations.fretting", "--resume", "one run")
+    assert said == "'/my folder/docker/run' python -m simulations.fretting --resume 'one run'"
+    monkeypatch.delenv("GRADED_FRETTING_RUN")
+    assert command_line("simulations.sweep") == "python -m simulations.sweep"
 
 
 def files_of(folder):
