@@ -18,7 +18,7 @@ import numpy as np
 from mpi4py import MPI
 
 from ..output.files import write_table
-from ..output.folder import begin, claimed, is_run_of
+from ..output.folder import begin, claimed, has_lost_scene, is_run_of, refuse_changed
 from ..output.results import Results
 from ..runs import comparison
 from ..runs.estimate import judged, measured
@@ -135,6 +135,8 @@ def run_scene(values: Row) -> Row:
     del previous
     if "folder" in values:
         folder = Path(values["folder"])
+        if not has_lost_scene(folder):
+            refuse_changed(folder)
         with claimed(MPI.COMM_SELF, folder, overwrite=is_run_of(folder, scene)):
             begin(folder, scene)
             with Results(folder, simulation) as results:

@@ -79,7 +79,8 @@ environment() {
         "$run" python -c '
 import os, my_own_module
 names = "OMP_NUM_THREADS", "PETSC_OPTIONS", "PYTEST_ADDOPTS", "OMPI_MCA_btl", "PRTE_MCA_x"
-assert [os.environ[name] for name in names] == ["3", "-info", "-x", "self", "1"], os.environ'
+assert [os.environ[name] for name in names] == ["3", "-info", "-x", "self", "1"], os.environ
+assert os.environ["GRADED_FRETTING_RUN"].endswith("/docker/run"), os.environ'
 }
 importable() { within "$work/own" "$run" python -c 'import analytic, forms, simulations'; }
 loop() {

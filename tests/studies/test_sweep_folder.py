@@ -206,6 +206,9 @@ def test_a_run_whose_scene_was_changed_stops_overwrite_before_anything_is_remove
     with pytest.raises(SceneError, match="scene.toml is not as the run wrote it; it was changed afterwards"):
         run(tmp_path, "0.3,0.4", "--folders", "--overwrite")
     assert contents(tmp_path) == before
+    with pytest.raises(SystemExit):
+        run(tmp_path, "0.2,0.25", "--folders")
+    assert "scene.toml is not as the run wrote it; it was changed" in rows_of(tmp_path)[1]["reason"]
 
 
 def test_checks_that_fail_are_told(tmp_path, monkeypatch):
