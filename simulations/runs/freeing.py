@@ -6,6 +6,8 @@ of the objects themselves.
 """
 
 import gc
+import signal
+import threading
 import weakref
 
 from mpi4py import MPI
@@ -35,10 +37,26 @@ def between_steps(body: ElasticBody):
         PETSc.garbage_cleanup(own)
 
 
+def collect():
+    """Python's collector, with Ctrl-C put off to its end: it drops what is raised in the finalizers that it calls."""
+    handler = signal.getsignal(signal.SIGINT)
+    if handler is None or threading.current_thread() is not threading.main_thread():  # then it is not Python's to set
+        gc.collect()
+        return
+    interrupts: list[int] = []
+    signal.signal(signal.SIGINT, lambda number, frame: interrupts.append(number))
+    try:
+        gc.collect()
+    finally:
+        signal.signal(signal.SIGINT, handler)
+    if interrupts:
+        signal.raise_signal(signal.SIGINT)
+
+
 def earlier(comm: MPI.Comm):
     """Free the bodies that nobody uses any more. Collective."""
     if _made or _shared:
-        gc.collect()
+        collect()
     for entry in [*_shared]:
         body, communicators_of_body = entry
         if MPI.Group.Compare(communicators_of_body[0].tompi4py().group, comm.group) != MPI.IDENT:

@@ -7,7 +7,6 @@
 ``work`` is a function of a module: it goes to other processes by name.
 """
 
-import gc
 import hashlib
 import json
 import time
@@ -26,6 +25,7 @@ from ..command.progress import duration
 from ..command.stopping import stopping
 from ..output.files import OutputError
 from ..output.folder import is_whole
+from ..runs.freeing import collect
 from ..scene import SceneError
 from .store import Store
 
@@ -162,7 +162,7 @@ _collected = [0.0]  # when this process last freed what runs left in reference c
 def _collect():
     """Free it, but not after every run: Python does not see how large it is, and the search takes 0.1 s."""
     if time.monotonic() - _collected[0] > COLLECT:
-        gc.collect()
+        collect()
         _collected[0] = time.monotonic()
 
 

@@ -1,7 +1,11 @@
 """Many runs in one process need no more memory than a few: what a run leaves behind is freed by the next one."""
 
+import signal
+
 import pytest
 from running import run_command
+
+from simulations.runs.freeing import collect
 
 
 @pytest.mark.slow
@@ -12,3 +16,19 @@ def test_memory_of_many_runs(ranks, runs):
     assert done.returncode == 0, done.stderr
     first, last = map(float, done.stdout.split())
     assert last < 1.2 * first
+
+
+def test_an_interrupt_while_garbage_is_collected_is_not_lost():
+    """Python drops what is raised in a finalizer."""
+
+    class Cycle:
+        def __init__(self):
+            self.itself = self
+
+        def __del__(self):
+            signal.raise_signal(signal.SIGINT)
+
+    Cycle()
+    with pytest.raises(KeyboardInterrupt):
+        collect()
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
