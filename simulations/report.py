@@ -47,7 +47,7 @@ def write(folder: Path) -> Path:
 
 def read(arguments: list[str]) -> Path:
     """The folder that the command line names; SceneError where it holds no results, or those of another scene."""
-    parser = Parser(prog="python -m simulations.report", description=__doc__, allow_abbrev=False)
+    parser = Parser(prog="python -m simulations.report", description=__doc__)
     parser.add_argument("folder", type=Path, metavar="DIR", help="folder of a run")
     folder = parser.parse_args(arguments).folder
     for name in ("scene.toml", "summary.json", "history.csv"):

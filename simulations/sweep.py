@@ -45,7 +45,7 @@ def main(arguments: list[str]):
 def read(arguments: list[str]) -> Namespace:
     """The checked command line with ``cases`` and ``items``; SceneError where anything is wrong."""
     program = "python -m simulations.sweep"
-    parser = Parser(prog=program, description=__doc__, allow_abbrev=False)
+    parser = Parser(prog=program, description=__doc__)
     parser.add_argument("scene", nargs="?", type=Path, help="scene file (TOML); without one, the default scene")
     parser.add_argument(
         "--vary",

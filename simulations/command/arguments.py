@@ -46,7 +46,8 @@ class Parser(argparse.ArgumentParser):
     """Takes a wrong command line for wrong input: one line, exit code 2. Knows --version; no path is empty."""
 
     def __init__(self, *arguments, **options):
-        super().__init__(*arguments, **options)
+        as_written = argparse.RawDescriptionHelpFormatter  # a command in a description keeps its own line
+        super().__init__(*arguments, formatter_class=as_written, allow_abbrev=False, **options)
         self.register("type", Path, _path)
         self.add_argument("--version", action="version", version=f"graded-fretting {__version__}")
 
@@ -102,13 +103,7 @@ def set_petsc_options(options: tuple[str, ...]):
 
 
 def _parser(program, description):
-    parser = Parser(
-        prog=f"python -m {program}",
-        description=description,
-        epilog=EPILOG,
-        allow_abbrev=False,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
+    parser = Parser(prog=f"python -m {program}", description=description, epilog=EPILOG)
     parser.add_argument("scene", nargs="?", type=Path, help="scene file (TOML); without one, the default scene")
     parser.add_argument("--output", type=Path, metavar="DIR", help="folder for results (default: results/SCENE)")
     parser.add_argument("--overwrite", action="store_true", help="replace the run that the folder for results holds")

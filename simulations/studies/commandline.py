@@ -11,13 +11,13 @@ from ..scene import SceneError
 def study_parser(name: str, description: str | None, output: str | None = None, page: str | None = None) -> Parser:
     """Parser of ``python -m simulations.studies.NAME``. output: default folder; page: what its page holds."""
     program = f"python -m simulations.studies.{name}"
-    parser = Parser(prog=program, description=description, allow_abbrev=False)
+    parser = Parser(prog=program, description=description)
     if output is not None:
         parser.add_argument(
             "--output", type=Path, default=Path(output), metavar="DIR", help=f"folder for results (default: {output})"
         )
     if page is not None:
-        parser.add_argument("--page", type=Path, metavar="FILE.md", help=f"{page}, as a page")
+        parser.add_argument("--page", type=Path, metavar="FILE.md", help=f"page with {page}")
     return parser
 
 
