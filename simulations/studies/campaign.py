@@ -23,11 +23,12 @@ from ..runs.reference import of_same_physics
 from ..runs.simulation import Simulation
 from ..runs.step_free import StepFree
 from ..scene import SceneError, make_scene
-from .commandline import make_folders, study_parser
+from .commandline import make_folders, refuse_nothing_stored, study_parser
 from .engine import FAILED, Item, run_all, workers
 from .store import Store
 
 KINDS = ("uncoupled loop", "coupled loop", "path of P and Q", "nested loops", "friction from first contact")
+KEPT = "scenes.jsonl"  # what is solved
 SEED = 20261122  # of the draw
 ORDERS = 8, 12  # of the basis of the solver without load steps, which as a reference has 10
 RESOLUTIONS = (450, 1.5), (600, 2.0)  # nodes, and steps over those of this solver as a reference, which has 400 nodes
@@ -198,7 +199,7 @@ def main(arguments: list[str]):
     given, scenes = on_root(lambda: read(arguments))
     with workers(comm) as executor:
         if comm.rank == 0:
-            store = Store(given.output / "scenes.jsonl")
+            store = Store(given.output / KEPT)
             items = [Item(name, values) for name, values in scenes.items()]
             if given.stored:
                 kept = store.read()
@@ -222,6 +223,7 @@ def read(arguments: list[str]) -> tuple[Namespace, dict[str, dict]]:
     if given.drawn < 1:
         raise SceneError(f"--drawn {given.drawn} is not allowed: an integer ≥ 1")
     given.page = given.page or given.output / "campaign.md"
+    refuse_nothing_stored(given, KEPT)
     make_folders(given)
     return given, drawn(given.drawn, given.only)
 

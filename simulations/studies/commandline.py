@@ -5,7 +5,8 @@ from pathlib import Path
 
 from ..command.arguments import Parser
 from ..output.folder import writable
-from ..scene import SceneError
+from ..scene import SceneError, shown
+from .store import Store
 
 
 def study_parser(name: str, description: str | None, output: str | None = None, page: str | None = None) -> Parser:
@@ -19,6 +20,12 @@ def study_parser(name: str, description: str | None, output: str | None = None, 
     if page is not None:
         parser.add_argument("--page", type=Path, metavar="FILE.md", help=f"page with {page}")
     return parser
+
+
+def refuse_nothing_stored(given: Namespace, name: str):
+    """SceneError where --stored asks for what is solved already, and nothing is."""
+    if given.stored and not Store(given.output / name).read():
+        raise SceneError(f"--stored is not allowed: --output {shown(given.output)} holds nothing that is solved")
 
 
 def make_folders(given: Namespace):

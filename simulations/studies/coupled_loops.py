@@ -23,7 +23,7 @@ from ..runs.comparison import NoReference, compare, worst
 from ..runs.simulation import Simulation
 from ..runs.step_free import LOWER, StepFree
 from ..scene import SceneError, make_scene
-from .commandline import make_folders, study_parser
+from .commandline import make_folders, refuse_nothing_stored, study_parser
 from .engine import FAILED, Item, Row, run_all, workers
 from .store import Store
 
@@ -32,6 +32,7 @@ FRICTION, AMPLITUDE = (0.3, 0.1, 0.6, 1.0), (0.6, 0.95, 0.3)
 WITH_ELEMENTS = (0.2, 0.3, 0.95), (0.4, 0.6, 0.6)  # ν, μ and Q_A/μP, for every k, with finite elements beside
 WAY = (0.5, 1.0, 0.5, 0.0, -0.5, -1.0, -0.5, 0.0, 0.5, 1.0)  # Q over Q_A
 KINDS = ("reference", "elements")
+KEPT = "loops.jsonl"  # what is solved
 DIFFERENCES = ("pressure", "traction", "stick", "energy")  # of two orders of the basis
 ERRORS = ("pressure_l2", "traction_l2", "slip_l2", "dissipated_energy")  # of finite elements
 COLUMNS = ("kind", "k", "nu", "mu", "share", *DIFFERENCES, *ERRORS, "seconds", "why")
@@ -118,7 +119,7 @@ def main(arguments: list[str]):
     given, values = on_root(lambda: read(arguments))
     with workers(comm) as executor:
         if comm.rank == 0:
-            store = Store(given.output / "loops.jsonl")
+            store = Store(given.output / KEPT)
             items = [Item(", ".join(f"{name} = {value}" for name, value in one.items()), one) for one in values]
             if given.stored:
                 kept = store.read()
@@ -142,6 +143,7 @@ def read(arguments: list[str]):
     parser.add_argument("--stored", action="store_true", help="tables of what is solved already")
     given = parser.parse_args(arguments)
     given.page = given.page or given.output / "coupled_loops.md"
+    refuse_nothing_stored(given, KEPT)
     make_folders(given)
     return given, cases(given.only)
 

@@ -149,7 +149,9 @@ def test_every_figure_is_listed_with_a_picture():
         ("stability", ["--only", "nonsense"], "nonsense"),
         ("body_stress", ["absent"], "absent"),
         ("campaign", ["--drawn", "0"], "--drawn 0"),
+        ("campaign", ["--stored"], "holds nothing that is solved"),
         ("coupled_loops", ["--only", "nothing"], "nothing"),
+        ("coupled_loops", ["--stored"], "holds nothing that is solved"),
     ],
 )
 def test_wrong_command_line_is_one_line(tmp_path, module, arguments, word):
