@@ -45,9 +45,9 @@ class Request:
 class Parser(argparse.ArgumentParser):
     """Takes a wrong command line for wrong input: one line, exit code 2. Knows --version; no path is empty."""
 
-    def __init__(self, *arguments, **options):
+    def __init__(self, prog: str, description: str | None, epilog: str = ""):
         as_written = argparse.RawDescriptionHelpFormatter  # a command in a description keeps its own line
-        super().__init__(*arguments, formatter_class=as_written, allow_abbrev=False, **options)
+        super().__init__(prog, None, description, epilog, formatter_class=as_written, allow_abbrev=False)
         self.register("type", Path, _path)
         self.add_argument("--version", action="version", version=f"graded-fretting {__version__}")
 
