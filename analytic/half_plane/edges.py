@@ -5,7 +5,7 @@ import numpy as np
 from .interpolation import Edges
 
 
-def contact_edges(solution, k):
+def contact_zone(solution, k):
     """Left and right edge of the contact [length]."""
     x, closed = solution.x, np.flatnonzero(solution.sets.closed)
     first, last = closed[0], closed[-1]

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .edges import contact_edges, inner_edges, stick_zones
+from .edges import contact_zone, inner_edges, stick_zones
 from .interpolation import Edges, adapted, linear
 from .nodes import graded_nodes
 from .operator import SurfaceOperator
@@ -75,7 +75,7 @@ class Layout:
 
     def of(self, solution, mu, k, old_edges):
         """Layout that a solution shows."""
-        contact, zones = contact_edges(solution, k), stick_zones(solution, mu, k)
+        contact, zones = contact_zone(solution, k), stick_zones(solution, mu, k)
         kinks = inner_edges(old_edges, zones, NEIGHBOUR * (contact[1] - contact[0]))
         return replace(self, contact=contact, zones=zones, kinks=kinks)
 

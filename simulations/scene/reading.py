@@ -38,7 +38,7 @@ def parse(text: str, overrides: tuple[str, ...] = (), name: str = "the scene") -
     given = read_keys(text, name)
     for override in overrides:
         key, equals, value = override.partition("=")
-        if not equals:
+        if not equals or not key.strip():
             raise SceneError(f"--set {shown(override)} is not allowed: KEY=VALUE, for instance load.amplitude=0.6")
         changes = _changed(changes, {key.strip(): read_value(value.strip())})
     return _scene(_changed(given, changes))

@@ -119,6 +119,7 @@ REFUSED: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "no formula": (by_set(FORMULA), ("indenter.formula is missing",)),
     "no thickness": (by_set('solid.modulus="power-law coating"'), ("solid.thickness is missing",)),
     "--set without value": (by_set("load.mu"), ("KEY=VALUE",)),
+    "--set without key": (by_set("=3"), ("--set '=3' is not allowed: KEY=VALUE",)),
     "--set without anything": (("--set",), ("--set",)),
     "--output without folder": (("--output",), ("--output",)),
     # contradictions
