@@ -45,6 +45,9 @@ class Stopping:
         """``listen`` where this process is one of the package's commands, not a program that uses the package."""
         spec = getattr(sys.modules["__main__"], "__spec__", None)
         if spec and spec.name.partition(".")[0] == __name__.partition(".")[0]:
+            for name in ("stdin", "stdout", "stderr"):
+                if getattr(sys, name) is None:  # closed: the next file to be opened would get what is printed
+                    setattr(sys, name, open(os.devnull, "r+", encoding="utf-8"))
             ranks = (os.environ.get(name) for name in RANK)
             self.listen(next((rank for rank in ranks if rank), "0") == "0")
 

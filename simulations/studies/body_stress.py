@@ -15,7 +15,7 @@ from ..output.checkpoint import read_scene
 from ..output.files import on_disk
 from ..output.folder import refuse_changed
 from ..output.style import in_words, panels, save, style
-from ..scene import SceneError
+from ..scene import SceneError, shown
 from .commandline import make_folders, study_parser
 
 
@@ -64,11 +64,14 @@ def read(arguments: list[str]) -> Namespace:
     parser.add_argument("--output", type=Path, metavar="DIR", help="folder for the picture (default: that of the run)")
     parser.add_argument("--animate", action="store_true", help="write body.gif, too")
     given = parser.parse_args(arguments)
-    given.states = read_states(given.folder)
-    if not (given.folder / "history.csv").is_file():
-        raise SceneError(f"{given.folder} is not the folder of a run that ended: history.csv is missing")
-    with open(given.folder / "history.csv", newline="", encoding="utf-8") as file:
-        given.a = half_width(csv.DictReader(file))
+    try:
+        given.states = read_states(given.folder)
+        if not (given.folder / "history.csv").is_file():
+            raise SceneError(f"{given.folder} is not the folder of a run that ended: history.csv is missing")
+        with open(given.folder / "history.csv", newline="", encoding="utf-8") as file:
+            given.a = half_width(csv.DictReader(file))
+    except (OSError, KeyError, TypeError, ValueError) as error:
+        raise SceneError(f"{shown(given.folder)}: its files are not those of a run: {error!r}") from None
     refuse_changed(given.folder)
     given.scene = read_scene(given.folder)
     given.output = given.output or given.folder

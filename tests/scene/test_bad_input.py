@@ -3,12 +3,13 @@
 import importlib
 import json
 import os
+import subprocess
 import time
 from subprocess import PIPE
 
 import pytest
 from refusals import REFUSED, SCENES, refusal, write_scenes
-from running import ROOT, coarse_arguments, run_command, run_python, start_python
+from running import ROOT, coarse_arguments, environment, python, run_command, run_python, start_python
 
 from simulations.scene import DEFAULT_SCENE, SceneError, parse
 
@@ -130,4 +131,13 @@ def test_nobody_listens(stream, tmp_path):
     _, said = run.communicate(timeout=120)
     os.close(write)
     assert run.returncode == 0, said
+    assert json.loads((tmp_path / "run" / "summary.json").read_text())["converged"]
+
+
+def test_no_standard_stream_is_there(tmp_path):
+    """As some batch systems start a command: all three are closed, and the first files would get their numbers."""
+    words = python("-m", "simulations.fretting", *coarse_arguments(tmp_path / "run"))
+    shell = ["/bin/sh", "-c", '"$@" <&- >&- 2>&-', "sh"]
+    done = subprocess.run([*shell, *words], env=environment(), cwd=ROOT, timeout=120)
+    assert done.returncode == 0
     assert json.loads((tmp_path / "run" / "summary.json").read_text())["converged"]

@@ -46,8 +46,14 @@ def test_panel_and_animation(folder, tmp_path):
     assert (tmp_path / "body.gif").read_bytes().startswith(b"GIF")
 
 
-def test_a_run_without_its_history_is_refused(folder, tmp_path):
+def test_a_run_without_its_files_is_refused(folder, tmp_path):
     copy = shutil.copytree(folder, tmp_path / "copy")
+    fields = next((copy / "fields").glob("0*.h5"))
+    whole = fields.read_bytes()
+    fields.write_bytes(whole[:1000])
+    with pytest.raises(SceneError, match="its files are not those of a run: .*truncated file"):
+        fields_panel.main([str(copy)])
+    fields.write_bytes(whole)
     (copy / "history.csv").unlink()
     with pytest.raises(SceneError, match="history.csv is missing"):
         fields_panel.main([str(copy)])
