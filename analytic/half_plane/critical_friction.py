@@ -20,7 +20,8 @@ STEPS = 24  # of the bisection
 WIDTHS = (1, 2, 3)  # of the stretches that a step of the search changes
 REAL = 1e-9  # relative imaginary part below which an eigenvalue is real
 SEEDS = ("+-0+", "-0+-", "0+-+", "-0+")  # short stretches that singular patterns have
-ENDS = ("+-0", "-0-")  # of patterns "+----"; for k < -0.3 singular ones have their slivers at the edges of contact
+# left end, then "----", then right end: for k < -0.3 and k > 0.85 singular ones have slivers at the edges of contact
+ENDS = (("+", "+-0"), ("+", "-0-"), ("-", "+0"))
 
 
 @dataclass(frozen=True)
@@ -182,9 +183,9 @@ def _starts(n):
                         pattern[:place] = left
                         pattern[place : place + len(seed)] = flip * short
                         patterns.append(pattern)
-    for end in ENDS:
+    for first, end in ENDS:
         pattern = np.full(n, -1.0)
-        pattern[0], pattern[-len(end) :] = 1.0, [sign[c] for c in end]
+        pattern[0], pattern[-len(end) :] = sign[first], [sign[c] for c in end]
         patterns += [pattern, pattern[::-1]]
     return np.unique(patterns, axis=0)
 

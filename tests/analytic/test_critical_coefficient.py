@@ -40,10 +40,12 @@ def test_search_finds_the_smallest_of_all_patterns_and_the_lower_bound_is_below(
     assert 0.3 < found.lower < smallest
 
 
-@pytest.mark.parametrize("elements, pattern", [(12, "+--------+-0"), (16, "+------------+-0")])
-def test_search_finds_slivers_at_the_edges_of_contact(elements, pattern):
+@pytest.mark.parametrize(
+    "k, elements, pattern", [(-0.5, 12, "+--------+-0"), (-0.5, 16, "+------------+-0"), (0.9, 12, "0+----------")]
+)
+def test_search_finds_slivers_at_the_edges_of_contact(k, elements, pattern):
     """The smallest that descents from hundreds of random patterns find."""
-    rates = operator(-0.5, 0.0, elements)
+    rates = operator(k, 0.0, elements)
     assert smallest_singular(rates)[0] <= rates.singular(signs(pattern))[0] * (1 + 1e-9)
 
 
