@@ -16,6 +16,7 @@ import simulations
 from simulations import ChecksWarning, SceneError, make_scene, parse, run, sweep
 from simulations.runs.comparison import worst
 from simulations.runs.reference import closed_form
+from simulations.runs.report_data import quantities
 from simulations.scene import SceneError as OneError
 
 QUICK = COARSE | {"load.cycles": 0}
@@ -92,6 +93,8 @@ def test_the_energy_of_a_path_is_checked_beside_its_closed_form():
         result = run(changes)
     failing = {name: check.value for name, check in result.checks.items() if not check.holds}
     assert failing == {"error of dissipated_energy": pytest.approx(0.2, abs=0.02)}
+    a_over_a0 = quantities(result.simulation)["a_over_a0"]  # under the last P, which is not the largest
+    assert a_over_a0 == pytest.approx(1.0, abs=0.01)
     with warnings.catch_warnings():
         warnings.simplefilter("error", ChecksWarning)
         assert "error of a" not in run(changes | {"reference.kind": "none"}).checks

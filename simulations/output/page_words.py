@@ -7,7 +7,7 @@ from ..scene.tables import Fretting, Path, RoundedFlat
 PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
 QUANTITIES = {  # key of summary.json: name, unit
     "a": ("contact half-width a", "m"),
-    "a_over_a0": ("a over a0, that of a homogeneous half-plane of modulus E0", ""),
+    "a_over_a0": ("a over a0, that of a homogeneous half-plane of modulus E0 under the same P", ""),
     "peak_pressure": ("peak pressure", "Pa"),
     "indentation": ("indentation δ_y", "m"),
     "c_over_a": ("stick half-width over contact half-width, c/a", ""),

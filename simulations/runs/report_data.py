@@ -132,7 +132,7 @@ def quantities(simulation: Simulation) -> dict[str, float]:
     last = history.entries[-1]
     found = {
         "a": last.a * scales.length,
-        "a_over_a0": last.a * scales.length / simulation.scene.a0,
+        "a_over_a0": last.a * scales.length / simulation.scene.a0(last.step.P * scales.line_load),
         "indentation": float(last.surface.delta[1]) * scales.displacement,
         "peak_pressure": last.peak_pressure * scales.stress,
     }

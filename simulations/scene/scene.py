@@ -202,10 +202,9 @@ class Scene(BaseModel):
         """The contact half-width a, m; for a coating an estimate of it."""
         return self.contact.a if self.contact else solids.equivalent_half_width(self.material, self.shape, self.P)
 
-    @cached_property
-    def a0(self) -> float:
-        """The contact half-width on a homogeneous half-plane of modulus E0 (57), m."""
-        return half_width_on_homogeneous(self.solid, self.shape, self.P)
+    def a0(self, P: float) -> float:
+        """The contact half-width on a homogeneous half-plane of modulus E0 under P (57), m."""
+        return half_width_on_homogeneous(self.solid, self.shape, P)
 
     def to_keys(self) -> dict[str, Any]:
         """``{"solid.k": 0.3, …}``: every key that applies, resolved."""

@@ -40,7 +40,7 @@ FILES = sorted((ROOT / "scenes").glob("*.toml"))
 def test_tables_make_the_scene_that_text_makes():
     scene = Scene(title=parse(DEFAULT_SCENE).title, solid=SOLID, indenter=Parabola(R=0.1), load=LOAD)
     assert scene == parse(DEFAULT_SCENE) and hash(scene) == hash(parse(DEFAULT_SCENE))
-    assert scene.solid.nu == pytest.approx(1 / 2.3) and scene.solid.y0 == pytest.approx(10 * scene.a0)
+    assert scene.solid.nu == pytest.approx(1 / 2.3) and scene.solid.y0 == pytest.approx(10 * scene.a0(scene.P))
     assert scene == Scene(
         title=scene.title,
         solid={"E0": 210e9, "k": 0.3, "nu": "holl", "y0_over_a0": 10},
