@@ -85,6 +85,7 @@ def check_errors(errors: dict[str, float], own: dict[str, float], stick: float =
     excuses no more than twice the limit: a reference that is known less well does not judge the run.
     """
     scaled = errors | {"c": stick * float(np.nan_to_num(errors["c"], nan=-1.0)) if stick else np.nan}
+    own = own | {"c": stick * own.get("c", 0.0)}
     known = {name: abs(scaled[name]) for name in ERRORS if not np.isnan(scaled.get(name, np.nan))}
     excused = {name: 2 * min(own.get(name, 0.0), ERRORS[name]) for name in known}
     found = {name: Check(max(error - excused[name], 0.0), ERRORS[name]) for name, error in known.items()}

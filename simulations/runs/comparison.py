@@ -144,18 +144,40 @@ def _deviations(entry, computed: Callable[[str], np.ndarray], reference) -> dict
 def compare(history: History, reference: Reference) -> dict[str, float]:
     """Deviations of a run: fields, a and c at its last state, energy of its last cycle (signed where scalar).
 
-    The reference's own error is added to those of fields and energy, not of a and c.
+    What is known of the reference's own error is added.
     """
-    last = history.entries[-1]
-    left, right = reference.contact(last)
-    deviation = compare_state(last, reference) | {"a": last.a / ((right - left) / 2) - 1}
+    last, own = history.entries[-1], _own_of_numbers(history.entries[-1], reference)
+    found = {"a": last.a, "c": last.c, "dissipated_energy": history.dissipated_energy}
+    exact = numbers(last, reference)
+    return compare_state(last, reference) | {name: off(found[name], exact[name], own.get(name, 0.0)) for name in exact}
+
+
+def off(computed: float, exact: float, own: float) -> float:
+    """Relative deviation of a number from a reference's, whose ``own`` error makes it larger."""
+    error = computed / exact - 1
+    return float(error + np.copysign(own, error))
+
+
+def own_of_number(exact: float, coarser: float) -> float:
+    """Relative error of a reference's number, about; 0 where one of both has none, as of a stick zone that is lost."""
+    return float(np.nan_to_num(abs(coarser / exact - 1)))
+
+
+def _own_of_numbers(last: Entry, reference: Reference) -> dict[str, float]:
+    if reference.coarser is None:
+        return {}
+    exact, coarser = numbers(last, reference), numbers(last, reference.coarser)
+    return {name: own_of_number(value, coarser.get(name, 0.0)) for name, value in exact.items()}
+
+
+def numbers(last: Entry, reference: Reference) -> dict[str, float]:
+    """a, c and the energy of a reference; without friction, or where there is no energy, the others."""
+    found = {"a": float(np.ptp(reference.contact(last))) / 2}
     if has_friction(last, reference):
-        deviation["c"] = last.c / reference.stick_half_width(last) - 1
-        energy = reference.dissipated_energy()
-        if energy:
-            error = history.dissipated_energy / energy - 1
-            deviation["dissipated_energy"] = float(error + np.copysign(_own_error_of_energy(reference), error))
-    return deviation
+        found["c"] = reference.stick_half_width(last)
+        if energy := reference.dissipated_energy():
+            found["dissipated_energy"] = energy
+    return found
 
 
 def has_friction(entry: Entry, reference: Reference) -> bool:
@@ -168,14 +190,14 @@ def has_friction(entry: Entry, reference: Reference) -> bool:
 
 def own_errors(history: History, reference: Reference) -> dict[str, float]:
     """What of the errors of ``compare`` and ``worst`` is the reference's own, the largest; {} of an exact one."""
-    return _largest_own(reference, _own_of_states(history, reference))
+    return _largest_own(history, reference, _own_of_states(history, reference))
 
 
 def worst_and_own(history: History, reference: Reference) -> tuple[dict[str, float], dict[str, float]]:
     """``worst`` and ``own_errors`` in one pass over the states."""
     own = _own_of_states(history, reference)
     states = [compare_state(entry, reference, mine) for entry, mine in zip(all_states(history), own, strict=True)]
-    return _largest(states), _largest_own(reference, own)
+    return _largest(states), _largest_own(history, reference, own)
 
 
 def _own_of_states(history, reference) -> list[dict[str, float]]:
@@ -183,19 +205,13 @@ def _own_of_states(history, reference) -> list[dict[str, float]]:
     return [apart(entry, coarser, reference) if coarser else {} for entry in all_states(history)]
 
 
-def _largest_own(reference, states) -> dict[str, float]:
-    energy = {"dissipated_energy": _own_error_of_energy(reference)} if reference.coarser else {}
-    return _largest(states) | energy
+def _largest_own(history, reference, states) -> dict[str, float]:
+    return _largest(states) | _own_of_numbers(history.entries[-1], reference)
 
 
 def _largest(states: list[dict[str, float]]) -> dict[str, float]:
     """Of every quantity that the last state has; nan where no state has a number."""
     return {name: float(np.fmax.reduce([state.get(name, np.nan) for state in states])) for name in states[-1]}
-
-
-def _own_error_of_energy(reference: Reference) -> float:
-    energy, coarser = reference.dissipated_energy(), reference.coarser
-    return abs((coarser.dissipated_energy() or 0.0) / energy - 1) if energy and coarser else 0.0
 
 
 def worst(history: History, reference: Reference) -> dict[str, float]:

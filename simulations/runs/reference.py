@@ -101,7 +101,7 @@ def _mesh_free(simulation, tell) -> MeshFree:
 def _excess(simulation, reference) -> float:
     """Largest of a reference's own errors, over what a run's may be."""
     own = own_errors(simulation.history, reference)
-    return np.nanmax([error / ERRORS[name] for name, error in own.items() if name in ERRORS])
+    return np.nanmax([error / ERRORS[name] for name, error in own.items() if name in ERRORS and name != "c"])
 
 
 def describe(reference: Reference, simulation: Simulation) -> str:
@@ -124,7 +124,7 @@ def describe(reference: Reference, simulation: Simulation) -> str:
                 nodes += f" and {reference.finer} load steps for ten times the distance from a turn"
             elif reference.finer > steps_for_one(simulation):
                 nodes += f" and {reference.finer} load steps for one"
-        own = ", whose own error is added to those of p, q, slip and energy" if reference.coarser else ""
+        own = ", whose own error is added" if reference.coarser else ""
         coupling = " and coupling" if "coupling" in simulation.effects else ""
         return f"{reference.name}{nodes} with {friction}{coupling}{own}"
     if not scene.friction:

@@ -67,22 +67,27 @@ def compared(
     simulation: Simulation, other: comparison.Reference, words: str = "", without: tuple[str, ...] = ()
 ) -> Comparison:
     """A finished run beside another solution; words and without: of the ``Comparison``."""
-    history, scales = simulation.history, simulation.scaled.scales
-    deviations = comparison.compare(history, other)
-    last, mine = history.entries[-1], quantities(simulation)
-    left, right = other.contact(last)
-    half_width = (right - left) / 2
-    values = {"a": half_width * scales.length}
+    deviations = comparison.compare(simulation.history, other)
+    values, mine = _values(simulation, other), quantities(simulation)
+    coarser = _values(simulation, other.coarser) if other.coarser else values
+    for name, value in values.items():
+        if name not in deviations:
+            deviations[name] = comparison.off(mine[name], value, comparison.own_of_number(value, coarser[name]))
+    return Comparison(other, words, values, deviations, *comparison.worst_and_own(simulation.history, other), without)
+
+
+def _values(simulation: Simulation, other: comparison.Reference) -> dict[str, float]:
+    """The ``values`` of a ``Comparison``."""
+    scales, last = simulation.scaled.scales, simulation.history.entries[-1]
+    found = comparison.numbers(last, other)
+    values = {"a": found["a"] * scales.length}
     if not simulation.hidden_peak:
         values["peak_pressure"] = float(other.pressure(last, last.surface.x).max()) * scales.stress
-    if "c" in deviations:
-        values["c_over_a"] = other.stick_half_width(last) / half_width
-    if "dissipated_energy" in deviations:
-        energy = other.dissipated_energy()
-        assert energy is not None  # compare has divided by it
-        values["dissipated_energy"] = energy * scales.energy
-    deviations |= {name: mine[name] / value - 1 for name, value in values.items() if name not in deviations}
-    return Comparison(other, words, values, deviations, *comparison.worst_and_own(history, other), without)
+    if "c" in found:
+        values["c_over_a"] = found["c"] / found["a"]
+    if "dissipated_energy" in found:
+        values["dissipated_energy"] = found["dissipated_energy"] * scales.energy
+    return values
 
 
 def checked(simulation: Simulation, exact: Comparison | None) -> dict[str, Check]:

@@ -145,6 +145,8 @@ def test_the_stick_half_width_is_judged_over_that_of_contact():
     assert "error of c" not in checks.check_errors({"c": 0.3}, {})
     narrow, wide = (checks.check_errors({"c": 0.3}, {}, stick)["error of c"] for stick in (0.1, 0.5))
     assert narrow.holds and wide == checks.Check(pytest.approx(0.15), 0.05, checks.LARGE)
+    excused = checks.check_errors({"c": 0.3}, {"c": 0.08}, 0.5)["error of c"]
+    assert excused.value == pytest.approx(0.15 - 2 * 0.04)
 
 
 def test_a_stick_zone_that_the_run_has_lost_fails_unless_it_is_narrow():

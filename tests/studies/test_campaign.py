@@ -3,9 +3,10 @@
 import pytest
 from mpi4py import MPI
 
-from simulations.runs.comparison import NoReference, apart, compare_state
+from simulations.runs.comparison import NoReference, apart, compare_state, numbers, own_errors
 from simulations.runs.mesh_free import steps_for_one
 from simulations.runs.reference import closed_form, of_same_physics
+from simulations.runs.report_data import compared, quantities
 from simulations.runs.simulation import Simulation
 from simulations.scene import make_scene
 from simulations.studies import campaign
@@ -28,7 +29,7 @@ def test_two_drawn_scenes(monkeypatch):
 
 
 def test_error_of_the_reference_is_stated():
-    """P grows under Q at the Holl ratio, where springs are exact: there the half-plane solver's steps cost q most."""
+    """P grows under Q at the Holl ratio, where springs are exact: the half-plane solver's steps cost q most, c 2 %."""
     values = {"solid.E0": 210e9, "solid.k": 0.3, "solid.nu": "holl", "solid.y0_over_a0": 10.0, "indenter.R": 0.1}
     path = {"load.mu": 0.3, "load.points": [[2.5e5, 0.0], [1e6, 1.2e5]], "reference.kind": "half-plane"}
     simulation = Simulation(MPI.COMM_SELF, make_scene(values | COARSE | path, base=None)).run_to_end()
@@ -37,6 +38,13 @@ def test_error_of_the_reference_is_stated():
     assert steps_for_one(simulation) == 8
     assert 0.5 < own["traction_l2"] / true["traction_l2"] < 3.0
     assert compare_state(last, reference)["traction_l2"] > own["traction_l2"] > 0.01
+    c, own_c = numbers(last, reference)["c"], own_errors(simulation.history, reference)["c"]
+    assert 0.01 < own_c and 0.5 < own_c / abs(c / numbers(last, exact)["c"] - 1) < 3.0
+    found = compared(simulation, reference)
+    assert found.deviations["c"] == pytest.approx(last.c / c - 1 + own_c) and last.c > c
+    for name in ("a", "peak_pressure", "c_over_a"):
+        mine = quantities(simulation)[name] / found.values[name] - 1
+        assert abs(found.deviations[name]) > abs(mine)
 
 
 STAGES = [("run", "Simulation"), ("reference", "of_same_physics"), ("truth", "truths")]
