@@ -15,21 +15,23 @@ def contact_zone(solution, k):
     )
 
 
+def stuck_runs(solution, mu):
+    """First and last node (n, 2) of every zone of stick, as indices."""
+    if mu == 0:
+        return np.empty((0, 2), dtype=int)
+    changes = np.flatnonzero(np.diff(np.concatenate([[False], solution.stuck, [False]]).astype(int)))
+    return changes.reshape(-1, 2) - [0, 1]
+
+
 def stick_zones(solution, mu, k):
     """Left and right edges [length] of every zone of stick, shape (n, 2), from the reserve mu p - |q|."""
-    if mu == 0:
-        return np.empty((0, 2))
-    x, stick = solution.x, solution.stuck
-    changes = np.flatnonzero(np.diff(np.concatenate([[False], stick, [False]]).astype(int)))
-    reserve = mu * solution.pressure - np.abs(solution.traction)
-    zones = [
-        (_edge(x, reserve, first, -1, k), _edge(x, reserve, stop - 1, 1, k))
-        for first, stop in changes.reshape(-1, 2)
-    ]
+    x, reserve = solution.x, mu * solution.pressure - np.abs(solution.traction)
+    runs = stuck_runs(solution, mu)
+    zones = [(_edge(x, reserve, first, -1, k), _edge(x, reserve, last, 1, k)) for first, last in runs]
     return np.array(zones).reshape(-1, 2)
 
 
-def inner_edges(edges: Edges, zones, distance):
+def edges_inside(edges: Edges, zones, distance):
     """Those of ``edges`` farther than ``distance`` inside one of ``zones``: where slip once ended, q keeps a root."""
     inside = [any(a + distance < e < b - distance for a, b in zones) for e in edges.position]
     return edges.only(np.array(inside, dtype=bool))

@@ -61,9 +61,13 @@ def adapted(nodes, edges: Edges, other_edges: Edges, exponent, width):
     return result
 
 
-def interpolated(nodes, interpolation, values, x):
-    """Interpolant of the ``values`` at x, zero beyond the nodes."""
-    coefficients = np.einsum("ren,n->re", interpolation, values)
+def coefficients_of(interpolation, values):
+    """Coefficients (4, elements) of the interpolant of the ``values``."""
+    return np.einsum("ren,n->re", interpolation, values)
+
+
+def interpolated(nodes, coefficients, x):
+    """Interpolant with these ``coefficients`` (4, elements) at x, zero beyond the nodes."""
     element = np.clip(np.searchsorted(nodes, x) - 1, 0, len(nodes) - 2)
     t = (x - nodes[element]) / (nodes[element + 1] - nodes[element])
     result = np.polynomial.polynomial.polyval(t, coefficients[:, element], tensor=False)
@@ -72,7 +76,7 @@ def interpolated(nodes, interpolation, values, x):
 
 def integral(nodes, interpolation, values, smooth):
     """∫ of the interpolated ``values`` times the cubic spline through ``smooth``."""
-    coefficients = np.einsum("ren,n->re", interpolation, values)
+    coefficients = coefficients_of(interpolation, values)
     length, spline = np.diff(nodes), CubicSpline(nodes, smooth)
     gauss, weight = np.polynomial.legendre.leggauss(POWERS)
     t = (1 + gauss) / 2

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .edges import contact_zone, inner_edges, stick_zones
+from .edges import contact_zone, edges_inside, stick_zones
 from .interpolation import Edges, adapted, linear
 from .nodes import graded_nodes
 from .operator import SurfaceOperator
@@ -29,12 +29,12 @@ def first_distance(nodes, k):
 
 @dataclass(frozen=True)
 class Layout:
-    """Assumed contact (left, right), stick zones, shape (n, 2), edges of earlier stick inside these, and places where
-    the profile is not smooth [length]."""
+    """Assumed contact (left, right), stick zones, shape (n, 2), edges of stick that loads have turned at, as long as
+    nothing slips there, and places where the profile is not smooth [length]."""
 
     contact: tuple[float, float]
     zones: np.ndarray
-    kinks: Edges
+    old_edges: Edges
     corners: Edges
 
     @classmethod
@@ -47,6 +47,11 @@ class Layout:
     def width(self):
         """Width of the contact."""
         return self.contact[1] - self.contact[0]
+
+    @property
+    def kinks(self):
+        """Old edges far from the present ones; beside them the present ones are as good."""
+        return edges_inside(self.old_edges, self.zones, NEIGHBOUR * self.width)
 
     @property
     def stick_edges(self):
@@ -76,8 +81,8 @@ class Layout:
     def of(self, solution, mu, k, old_edges):
         """Layout that a solution shows."""
         contact, zones = contact_zone(solution, k), stick_zones(solution, mu, k)
-        kinks = inner_edges(old_edges, zones, NEIGHBOUR * (contact[1] - contact[0]))
-        return replace(self, contact=contact, zones=zones, kinks=kinks)
+        old_edges = edges_inside(old_edges, zones, -NEIGHBOUR * (contact[1] - contact[0]))
+        return replace(self, contact=contact, zones=zones, old_edges=old_edges)
 
     @property
     def stick(self):
@@ -103,4 +108,4 @@ class Layout:
 
     def with_edges_of(self, new):
         """The ``new`` layout, with more nodes at the edges of stick of this one."""
-        return replace(new, kinks=new.kinks + Edges.of_zones(self.zones))
+        return replace(new, old_edges=new.old_edges + Edges.of_zones(self.zones))

@@ -79,6 +79,11 @@ def nodal_moments(moments, interpolation):
     return result
 
 
+def displacement_of(moments, coefficients):
+    """Displacement (len(x),) of tractions with these ``coefficients`` (4, elements), from moments of one kernel."""
+    return np.einsum("rie,re->i", moments, coefficients, optimize=True)
+
+
 def nodal_integrals(nodes, interpolation):
     """∫ of the interpolant of unit values at the nodes [length]: the quadrature weights."""
     return np.einsum("ren,r,e->n", interpolation, 1 / np.arange(1, POWERS + 1), np.diff(nodes))

@@ -14,12 +14,13 @@ import numpy as np
 from scipy.optimize import brentq
 
 from ..material import GradedHalfPlane
+from .edges import stuck_runs
 from .increment import Increment
-from .interpolation import integral, interpolated
+from .interpolation import coefficients_of, integral, interpolated
 from .layout import Layout, first_distance
 from .linear import ContactNotConverged, ContactSets, Data
-from .operator import element_moments, nodal_moments
-from .state import ContactState, Memory, StoredField
+from .operator import displacement_of, element_moments
+from .state import ContactState, Memory, PiecewiseField, StoredField
 from .surface_kernel import PowerLawKernel, SurfaceKernel
 
 COARSE_MARGIN, MARGIN = 0.1, 0.01  # nodes beyond the contact over its width: while the edges are sought, and then
@@ -98,7 +99,7 @@ class HalfPlaneContact:
         """Solves on nodes that follow the edges until these rest: with half of the nodes first, then with all."""
         P, Q, _ = load
         k = self.kernel.k
-        mu = self.mu if self.friction_in_normal_stage or not normal_stage else 0.0
+        mu = self._friction(normal_stage)
         layout, old_edges = memory.layout, memory.edges_left_behind(load)
         fine, solution, iterations, motion = 0, None, 0, np.inf
         earlier: list[Layout] = []
@@ -162,22 +163,27 @@ class HalfPlaneContact:
         friction = self.mu * solution.sets.slipping * mean_pressure
         work = integral(x, operator.of_pressure, friction, memory.position(x) - reached)
 
-        def position(y):
+        stuck = x[stuck_runs(solution, self._friction(normal_stage))]
+        of_q = coefficients_of(operator.of_traction, solution.traction)
+        of_p = coefficients_of(operator.of_pressure, solution.pressure)
+
+        def position(y):  # holds no matrix of the load step, as parts of it are kept for many
             _, T, D = element_moments(self.kernel, y, x)
-            u_x = nodal_moments(T, operator.of_traction) @ solution.traction
+            u_x = displacement_of(T, of_q)
             if self.coupling:
-                u_x += nodal_moments(D, operator.of_pressure) @ solution.pressure
+                u_x += displacement_of(D, of_p)
             if self.elastic:
-                u_x += self.elastic * interpolated(x, operator.of_traction, solution.traction, y)
+                u_x += self.elastic * interpolated(x, of_q, y)
             return u_x - solution.delta_x + strain * y
 
         if normal_stage:
             slip, slip_field = np.zeros(len(x)), np.zeros_like
-            reference = StoredField(x, reached, position)
+            reference = PiecewiseField.kept_in(stuck, memory.reference, StoredField(x, reached, position))
         else:
             reference = memory.reference
             slip = np.where(solution.stuck, memory.slip(x), reached - reference(x))
-            slip_field = StoredField(x, slip, lambda y: position(y) - reference(y))
+            new = StoredField(x, slip, lambda y: position(y) - reference(y))
+            slip_field = PiecewiseField.kept_in(stuck, memory.slip, new)
         state = ContactState(
             P,
             Q,
@@ -197,8 +203,11 @@ class HalfPlaneContact:
             iterations,
             strain,
         )
-        pressure = partial(interpolated, x, operator.of_pressure, solution.pressure)
+        pressure = partial(interpolated, x, of_p)
         return Memory(state, layout, slip_field, reference, pressure, memory.directions(load))
+
+    def _friction(self, normal_stage):
+        return self.mu if self.friction_in_normal_stage or not normal_stage else 0.0
 
     @property
     def _corners(self):

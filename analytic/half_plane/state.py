@@ -83,6 +83,37 @@ class StoredField:
 
 
 @dataclass(frozen=True)
+class PiecewiseField:
+    """Function of x that is another one between each two of the ``breaks`` (n,), and outside of them."""
+
+    breaks: np.ndarray
+    functions: tuple[Callable, ...]
+
+    @classmethod
+    def kept_in(cls, zones, old: Callable, new: Callable):
+        """``old`` in each of the ``zones`` (m, 2), where it sticks, else ``new``.
+
+        Interpolated again at each load step it would drift, most at old edges of stick, where it has kinks.
+        """
+        old = old if isinstance(old, cls) else cls(np.empty(0), (old,))
+        breaks, functions = [], [new]
+        for left, right in zones:
+            inside = (old.breaks > left) & (old.breaks < right)
+            first = np.searchsorted(old.breaks, left, side="right")
+            breaks += [left, *old.breaks[inside], right]
+            functions += [*old.functions[first : first + inside.sum() + 1], new]
+        return cls(np.array(breaks), tuple(functions))
+
+    def __call__(self, x):
+        """Values at x, shape (n,)."""
+        piece = np.searchsorted(self.breaks, x, side="right")
+        result = np.empty(len(x))
+        for number in np.unique(piece):
+            result[piece == number] = self.functions[number](x[piece == number])
+        return result
+
+
+@dataclass(frozen=True)
 class Memory:
     """Last state (None before first contact), its layout, and functions of x: slip, its reference u_x - delta_x,
     pressure; and the directions in which Q and the strain last moved."""
@@ -107,9 +138,9 @@ class Memory:
 
     def edges_left_behind(self, load):
         """Edges of stick where slip ended for good; those of the last increment count if a load turns back from it."""
-        kinks = self.layout.kinks
+        old = self.layout.old_edges
         turned = self.state is not None and self.directions(load) != self.direction
-        return kinks + Edges.of_zones(self.layout.zones) if turned else kinks
+        return old + Edges.of_zones(self.layout.zones) if turned else old
 
     @property
     def dissipated_energy(self):
