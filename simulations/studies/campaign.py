@@ -18,7 +18,7 @@ from ..output.files import write_table, write_text
 from ..runs.closed_forms import Springs
 from ..runs.comparison import NoReference, Reference, apart, compare, compare_state
 from ..runs.history import all_states
-from ..runs.mesh_free import MeshFree, steps_for_one
+from ..runs.mesh_free import NODES, MeshFree, steps_for_one
 from ..runs.reference import of_same_physics
 from ..runs.simulation import Simulation
 from ..runs.step_free import StepFree
@@ -31,7 +31,7 @@ KINDS = ("uncoupled loop", "coupled loop", "path of P and Q", "nested loops", "f
 KEPT = "scenes.jsonl"  # what is solved
 SEED = 20261122  # of the draw
 ORDERS = 8, 12  # of the basis of the solver without load steps, which as a reference has 10
-RESOLUTIONS = (450, 1.5), (600, 2.0)  # nodes, and steps over those of this solver as a reference, which has 400 nodes
+RESOLUTIONS = (1.125, 1.5), (1.5, 2.0)  # nodes and load steps, over those of this solver as a reference
 FEWER = 0.95  # nodes where some change between contact and gap without end: another mesh has its nodes elsewhere
 KNOWN = 1 / 3  # of the larger of both errors: a truth that is known less well judges nothing
 SHORT = 0.5  # of the true error: what is stated must not be smaller
@@ -104,11 +104,15 @@ def truths(simulation: Simulation, reference: Reference) -> tuple[Reference, Ref
             return coarse, fine
         except NoReference:  # the other solver may
             pass
-    steps = steps_for_one(simulation)
-    coarse, fine = (
-        MeshFree(simulation, nodes=(n, round(FEWER * n)), finer=round(more * steps)) for n, more in RESOLUTIONS
-    )
+    nodes, steps = NODES[0], steps_for_one(simulation)
+    if isinstance(reference, MeshFree) and not reference.since_turn:  # it may have taken more load steps
+        nodes, steps = reference.nodes, reference.finer
+    coarse, fine = (_mesh_free(simulation, round(n * nodes), round(more * steps)) for n, more in RESOLUTIONS)
     return coarse, fine
+
+
+def _mesh_free(simulation, nodes, steps):
+    return MeshFree(simulation, nodes=(nodes, round(FEWER * nodes)), finer=steps)
 
 
 def judged(simulation: Simulation, reference: Reference, coarse: Reference, fine: Reference) -> list[dict]:
