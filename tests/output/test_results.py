@@ -51,7 +51,7 @@ def test_scene_is_resolved_and_can_be_run_again(default_run):
     scene = parse(text)
     assert set(scene.to_keys()) <= set(language()) and "solid.y0_over_a0" not in scene.to_keys()
     assert parse(scene.to_toml()) == scene
-    assert scene.solid.y0 == pytest.approx(10 * scene.a0, rel=1e-12)
+    assert scene.solid.y0 == pytest.approx(10 * scene.a0(scene.P), rel=1e-12)
 
 
 def test_history(default_run, summary):
