@@ -74,7 +74,7 @@ def read_table(path: Path) -> list[Changes]:
     for mark, word in ((";", ";"), ("\t", "tabs")):
         if len(names) == 1 and mark in names[0]:
             raise SceneError(f"--csv-in {shown(path)} is not allowed: its columns are separated by {word}, not by ,")
-    if not lines or "" in names or len(set(names)) < len(names):
+    if not any(lines) or "" in names or len(set(names)) < len(names):
         raise SceneError(f"--csv-in {shown(path)} is not allowed: a line of different keys, then lines of values")
     rows = []
     lines_of: dict[tuple, int] = {}
@@ -156,6 +156,7 @@ def check(text: str, sets: tuple[str, ...], cases: list[Changes]):
     """SceneError for a value that no combination takes. What only some combinations refuse is a row of the table."""
     refused: dict[tuple[str, str], SceneError] = {}
     accepted: set[tuple[str, str]] = set()
+    ordered: set[tuple[str, ...]] = set()  # keys whose order makes no difference
     for changes in cases:
         entries = [(key, written(value)) for key, value in changes.items()]
         try:
@@ -165,8 +166,9 @@ def check(text: str, sets: tuple[str, ...], cases: list[Changes]):
                 refused.setdefault(entry, error)
         else:
             accepted.update(entries)
-            if len(accepted) == len(entries):
+            if tuple(changes) not in ordered:
                 _check_order(text, sets, changes)
+                ordered.add(tuple(changes))
     never = [entry for entry in refused if entry not in accepted]
     if never:
         blamed = min(never, key=lambda entry: not str(refused[entry]).startswith(f"{entry[0]} = "))  # else the first

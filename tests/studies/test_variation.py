@@ -5,7 +5,8 @@ from running import run_command
 
 import simulations.sweep as command
 from simulations import SceneError
-from simulations.studies.variation import product, read_vary
+from simulations.scene import DEFAULT_SCENE
+from simulations.studies.variation import check, product, read_vary
 
 BAD = {
     "nothing": ([], "nothing varies"),
@@ -41,7 +42,8 @@ def test_bad_input_is_one_line(tmp_path, monkeypatch, words, said):
 
 
 SHORT, HOLE = "solid.k,load.mu\n0.1\n", "solid.k\n0.1\n \n"
-TABLES = {"": "keys", "solid.k\n": "keys", "solid.k,solid.k\n1,2\n": "keys", "solid.kk\n0.1\n": "solid.k?"}
+TABLES = {"": "keys", "solid.k\n": "keys", "solid.k\n\n": "keys", "solid.k,solid.k\n1,2\n": "keys"}
+TABLES |= {"solid.kk\n0.1\n": "solid.k?"}
 TABLES |= {"solid.k;load.mu\n0,1;0,2\n": "separated by ;", "solid.k\tload.mu\n0.1\t0.2\n": "separated by tabs"}
 TABLES |= {"solid.k,load.mux\n0.1,0.3\n": "load.mux = 0.3 is to vary, but: load.mux = 0.3 is not a key"}
 TABLES |= {"load.P,load.mu\n1e6,200\n1e7,300\n": "load.mu = 200 is to vary, but: load.mu = 200 is not allowed"}
@@ -72,6 +74,11 @@ def test_a_refusal_as_the_user_sees_it(tmp_path):
     assert done.returncode == 2, done.stderr
     assert sum("did you mean solid.k?" in line for line in done.stderr.splitlines()) == 1
     assert "Traceback" not in done.stderr and done.stdout == "" and list(tmp_path.iterdir()) == []
+
+
+def test_one_key_for_another_is_found_in_any_row():
+    with pytest.raises(SceneError, match="^solid.y0, solid.y0_over_a0 are to vary, but one of them takes the place"):
+        check(DEFAULT_SCENE, (), product([{"solid.k": 0.1}, {"solid.y0": 1.0, "solid.y0_over_a0": 2.0}]))
 
 
 def test_what_is_wrong_without_the_key_that_varies_is_not_blamed_on_it():
