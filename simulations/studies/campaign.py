@@ -117,21 +117,22 @@ def _mesh_free(simulation, nodes, steps):
 
 def judged(simulation: Simulation, reference: Reference, coarse: Reference, fine: Reference) -> list[dict]:
     """Rows of state and quantity: error ``stated``, ``true`` error, and how far apart both truths are (``doubt``)."""
-    rows = []
-    for entry in all_states(simulation.history):
+    rows, history = [], simulation.history
+
+    def keep(entry, name, *errors):
+        if np.isfinite(errors).all():
+            load = {"P": entry.step.P, "Q_over_muP": entry.step.Q / simulation.mu / entry.step.P}
+            found = dict(zip(("stated", "true", "doubt"), map(abs, errors), strict=True))
+            rows.append({"state": entry.number, **load, "quantity": NAMES[name], **found})
+
+    for entry in all_states(history):
         stated, true = compare_state(entry, reference), compare_state(entry, fine)
         doubt = apart(entry, coarse, fine)
-        load = {"P": entry.step.P, "Q_over_muP": entry.step.Q / simulation.mu / entry.step.P}
         for name in stated:
-            found = {"stated": stated[name], "true": true[name], "doubt": doubt[name]}
-            if np.isfinite(list(found.values())).all():
-                rows.append({"state": entry.number, **load, "quantity": NAMES[name], **found})
-    energy, computed = fine.dissipated_energy(), simulation.history.dissipated_energy
-    if energy:
-        own, other = compare(simulation.history, reference).get(ENERGY, np.nan), coarse.dissipated_energy()
-        errors = own, computed / energy - 1, (other or 0.0) / energy - 1
-        found = {name: abs(error) for name, error in zip(("stated", "true", "doubt"), errors, strict=True)}
-        rows.append({"state": entry.number, **load, "quantity": "energy", **found})
+            keep(entry, name, stated[name], true[name], doubt[name])
+    if energy := fine.dissipated_energy():
+        stated, other = compare(history, reference).get(ENERGY, np.nan), coarse.dissipated_energy() or 0.0
+        keep(history.entries[-1], ENERGY, stated, history.dissipated_energy / energy - 1, other / energy - 1)
     return rows
 
 

@@ -1,5 +1,7 @@
 """The study of stated and true errors."""
 
+from types import SimpleNamespace
+
 import pytest
 from mpi4py import MPI
 
@@ -79,6 +81,19 @@ def test_what_is_missing_is_named(monkeypatch, missing, fails):
 )
 def test_verdict(stated, true, doubt, said):
     assert campaign.verdict({"stated": stated, "true": true, "doubt": doubt}) == said
+
+
+@pytest.mark.parametrize("stated, rows", [({}, 0), ({campaign.ENERGY: 0.2}, 1)])
+def test_an_energy_for_which_no_error_is_stated_is_not_judged(monkeypatch, stated, rows):
+    """An error that is not a number would count as one that holds."""
+    for name, found in {"compare": stated, "compare_state": {}, "apart": {}}.items():
+        monkeypatch.setattr(campaign, name, lambda *_, found=found: found)
+    monkeypatch.setattr(campaign, "all_states", lambda history: history.entries)
+    entry = SimpleNamespace(step=SimpleNamespace(P=1.0, Q=0.1), number=3)
+    truth = SimpleNamespace(dissipated_energy=lambda: 1.0)
+    history = SimpleNamespace(entries=[entry], dissipated_energy=1.1)
+    judged = campaign.judged(SimpleNamespace(history=history, mu=0.3), None, truth, truth)
+    assert [row["true"] for row in judged] == pytest.approx([0.1] * rows)
 
 
 def test_the_draw_is_seeded_and_the_kinds_take_turns():
