@@ -72,11 +72,10 @@ def table(rows: list[dict]) -> str:
         lines.append(f"| {name} | " + " | ".join(map(str, numbers)) + " |")
     lines += ["", "| not green | how it ended | why | friction beside the critical one | what a user can do |"]
     lines.append("|---|---|---|---|---|")
-    lines += [
-        f"| {row['name']} | {row['outcome']} | {row['why']} | {row.get('friction', '')} | {action(row)} |"
-        for row in rows
-        if row["outcome"] != GREEN
-    ]
+    for row in rows:
+        if row["outcome"] != GREEN:
+            cells = row["name"], row["outcome"], row["why"], row.get("friction", ""), action(row)
+            lines.append(f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in cells)} |")
     return "\n".join(lines) + "\n"
 
 

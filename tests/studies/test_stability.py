@@ -1,5 +1,7 @@
 """Hard cases: each cure, and that without it the case fails; refusals by name; a part of the matrix."""
 
+import re
+
 import numpy as np
 import pytest
 from mpi4py import MPI
@@ -18,7 +20,7 @@ from simulations.scene import SceneError, make_scene
 from simulations.solvers import newton, path
 from simulations.solvers.condensed import tangent
 from simulations.studies import stability
-from simulations.studies.stability_report import FAILED, FAILING, GREEN, REFUSED, UNJUDGED, WRONG, action
+from simulations.studies.stability_report import FAILED, FAILING, GREEN, REFUSED, UNJUDGED, WRONG, action, table
 
 UNCOUPLED = {"effects__coupling": "false", "solid__nu": 0.3}
 
@@ -269,6 +271,13 @@ def test_the_draw_is_seeded_and_admissible():
 )
 def test_table_tells_what_a_user_can_do(outcome, why, what):
     assert what in action({"outcome": outcome, "why": why})
+
+
+def test_a_check_of_absolute_values_makes_no_cells_of_its_own():
+    row = {"name": "load: P 1.0", "outcome": FAILING, "why": "|q| <= mu p 1.0e-03", "friction": "below"}
+    line = table([row]).splitlines()[-1]
+    cells = [cell.strip() for cell in re.split(r"(?<!\\)\|", line)[1:-1]]
+    assert cells[:4] == [row["name"], FAILING, r"\|q\| <= mu p 1.0e-03", "below"] and len(cells) == 5
 
 
 @pytest.mark.parametrize("own, outcome", [(0.4, UNJUDGED), (0.05, WRONG)])
