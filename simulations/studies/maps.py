@@ -59,10 +59,10 @@ def main(arguments: list[str]):
     with workers(comm) as executor:
         found = simulated(points, Store(given.output / "loops.jsonl"), executor) if comm.rank == 0 else {}
     if comm.rank == 0:
-        simulated_pictures(given, found)
+        drawn = ["map_theory", *simulated_pictures(given, found)]
         text = answers(given, found)
-        write_text(given.page, page(given, text))
-        say(f"\n{text}\nwritten to {given.output}: {', '.join(pictures_of(given))}; {given.page}")
+        write_text(given.page, page(given, text, drawn))
+        say(f"\n{text}\nwritten to {given.output}: {', '.join(f'{name}.png' for name in drawn)}; {given.page}")
 
 
 def simulated(points: list[Point], store: Store, executor: Executor | None) -> dict[Point, Energies]:
@@ -94,26 +94,31 @@ def theory(points: Iterable[Point]) -> dict[Point, Energies]:
     return {point: by_theory(point) for point in points}
 
 
-def simulated_pictures(given: Namespace, found: dict[Point, Energies]):
-    """Maps from the simulated loops; those that need more than was asked for are left out."""
-    enough = len(given.k) > 1
-    middle = _middle(given.amplitudes)
+def simulated_pictures(given: Namespace, found: dict[Point, Energies]) -> list[str]:
+    """Maps from the simulated loops; their names. A contour needs two values of each axis: where fewer were asked for,
+    or too few loops converged, a profile or a whole map is left out.
+    """
+    middle, drawn = _middle(given.amplitudes), {}
     by_simulation = f"Mesh-free simulation with coupling, ν = {given.nu:g}, μ = {given.mu:g}."
+    shown = [(m, middle) for m in given.profiles if len({p.k for p in found if (p.m, p.amplitude) == (m, middle)}) > 1]
+    points = {m: [p for p in found if p.m == m] for m in given.profiles}
+    whole = [m for m, of_m in points.items() if min(len({p.k for p in of_m}), len({p.amplitude for p in of_m})) > 1]
     with style():
-        if enough:
-            shown = [(m, middle) for m in given.profiles]
+        if shown:
             title = "Dissipated energy over grading and profile: simulation with coupling"
-            figure = pictures.over_depth(found, shown, title, NOTE + by_simulation)
-            save(figure, given.output, "map_profiles")
-        if enough and len(given.amplitudes) > 1:  # a contour needs two of each
-            m = 2.0 if 2.0 in given.profiles else given.profiles[0]
+            drawn["map_profiles"] = pictures.over_depth(found, shown, title, NOTE + by_simulation)
+        if whole:
+            m = 2.0 if 2.0 in whole else whole[0]
             title = f"Dissipated energy over grading and load, {pictures.shape(m)}: simulation with coupling"
-            figure = pictures.over_amplitude(found, m, (0.01, 1.0, 100.0), title, NOTE + by_simulation)
-            save(figure, given.output, "map_loads")
+            drawn["map_loads"] = pictures.over_amplitude(found, m, (0.01, 1.0, 100.0), title, NOTE + by_simulation)
             title = "What coupling does to the dissipated energy"
             note = f"Mesh-free simulation against the theory, for any $y_0$; ν = {given.nu:g}, μ = {given.mu:g}. "
             note += "Dots: simulated loops; cubic splines between them."
-            save(pictures.coupling_effect(found, theory(found), title, note), given.output, "map_coupling")
+            both = {p: energies for p, energies in found.items() if p.m in whole}
+            drawn["map_coupling"] = pictures.coupling_effect(both, theory(both), title, note)
+        for name, figure in drawn.items():
+            save(figure, given.output, name)
+    return [*drawn]
 
 
 def answers(given: Namespace, found: dict[Point, Energies]) -> str:
@@ -126,7 +131,7 @@ def answers(given: Namespace, found: dict[Point, Energies]) -> str:
     k = min(given.k)
     by_profile = best_profile(found, amplitude, k, 10.0)
     words = ", ".join(f"|x|^{m:g}: {energy:.3g}" for m, energy in sorted(by_profile.items()))
-    text += f"Profiles of equal homogeneous half-width, ΔW/(μ²Pa0²/2R) at k = {k:g}, y0 = 10 a0: {words}.\n"
+    text += f"Profiles of equal homogeneous half-width, ΔW/(μ²Pa0²/2R) at k = {k:g}, y0 = 10 a0: {words or '–'}.\n"
     return text.replace("= -", "= −")
 
 
@@ -138,22 +143,16 @@ PICTURES = {
 }
 
 
-def pictures_of(given: Namespace) -> list[str]:
-    """Names of the maps that there are."""
-    return [f"{name}.png" for name in PICTURES if (given.output / f"{name}.png").exists()]
-
-
-def page(given: Namespace, text: str) -> str:
-    """Answers and pictures as Markdown."""
+def page(given: Namespace, text: str, drawn: list[str]) -> str:
+    """Answers and the pictures ``drawn`` as Markdown."""
     folder = Path(os.path.relpath(given.output, given.page.parent)).as_posix()
-    for name, caption in PICTURES.items():
-        if f"{name}.png" in pictures_of(given):
-            text += f"\n## {caption}\n\n![{caption}]({folder}/{name}.png)\n"
+    for name in drawn:
+        text += f"\n## {PICTURES[name]}\n\n![{PICTURES[name]}]({folder}/{name}.png)\n"
     return text
 
 
 def _middle(amplitudes):
-    return sorted(amplitudes)[len(amplitudes) // 2]
+    return amplitudes[len(amplitudes) // 2]
 
 
 def read(arguments: list[str]) -> Namespace:

@@ -1,5 +1,7 @@
 """Energy maps: their points are loops, and one loop serves every depth."""
 
+import re
+
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
@@ -7,6 +9,8 @@ from mpi4py import MPI
 from running import run_command
 
 from analytic import GradedHalfPlane, ProfileContact
+from analytic.half_plane.linear import ContactNotConverged
+from simulations.studies import maps
 from simulations.studies.loops import simulate
 from simulations.studies.mapping import pictures
 from simulations.studies.mapping.answers import answer
@@ -106,6 +110,24 @@ def test_the_line_of_equal_energy_crosses_the_homogeneous_contact():
     x, y0 = line.vertices[line.vertices[:, 0].argsort()].T
     expected = [(energies_by_k[0.0] / energies_by_k[one]) ** ((m + one) / (one * m)) for one in k if one]
     assert np.interp([one for one in k if one], x, y0) == pytest.approx(expected, rel=1e-2)
+
+
+def test_only_loops_that_converged_are_drawn(tmp_path, monkeypatch):
+    """A profile without any is left out, then all are; the page shows no map of an earlier call."""
+    grid = ["--k", "-0.2", "0.2", "--amplitudes", "0.4", "0.8", "--profiles", "2", "4", "--output", str(tmp_path)]
+    monkeypatch.setattr(maps, "save", lambda figure, *_: plt.close(figure))
+    for converged, drawn in ((2.0, ["theory", "profiles", "loads", "coupling"]), (None, ["theory"])):
+
+        def loop(values, converged=converged):
+            if values["m"] != converged:
+                raise ContactNotConverged("not found")
+            return vars(by_theory(Point(**values)))
+
+        monkeypatch.setattr(maps, "_loop", loop)
+        maps.main(grid)
+        page = (tmp_path / "maps.md").read_text()
+        assert re.findall(r"map_(\w+)\.png", page) == drawn and "nan" not in page
+        (tmp_path / "loops.jsonl").unlink(missing_ok=True)
 
 
 @pytest.mark.slow

@@ -1,5 +1,7 @@
 """Answers of the maps: the grading that loses least, or most, energy under a given load."""
 
+from math import isnan
+
 from .points import Energies, Point, depth_factors
 
 DEPTHS = (0.01, 0.1, 1.0, 10.0, 100.0)  # y0/a0
@@ -21,7 +23,7 @@ def ratios(
 def answer(
     found: dict[Point, Energies], quantity: str, m: float, amplitude: float, y0_over_a0: float
 ) -> dict[str, tuple[float, float]]:
-    """Exponent k and ratio of the "least" and of the "most" over the exponents that ``found`` holds."""
+    """Exponent k and ratio of the "least" and of the "most" over the exponents that ``found`` holds; nan without."""
     by_k = ratios(found, quantity, m, amplitude, y0_over_a0) or {float("nan"): float("nan")}
     least, most = min(by_k, key=by_k.get), max(by_k, key=by_k.get)
     return {"least": (least, by_k[least]), "most": (most, by_k[most])}
@@ -38,7 +40,7 @@ def table(found: dict[Point, Energies], theory: dict[Point, Energies], m: float,
         cells = []
         for quantity, end in (("energy", "least"), ("density", "least"), ("energy", "most")):
             both = [answer(source, quantity, m, amplitude, depth)[end] for source in (found, theory)]
-            words = [f"k = {k:g}: {ratio:.2g}" for k, ratio in both]
+            words = ["–" if isnan(k) else f"k = {k:g}: {ratio:.2g}" for k, ratio in both]
             cells.append(f"{words[0]} ({words[1]})")
         text += f"| {depth:g} | " + " | ".join(cells) + " |\n"
     return text.replace("= -", "= −")

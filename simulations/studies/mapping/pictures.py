@@ -115,5 +115,5 @@ def _bar(figure, filled, axes, label):
     bar.set_ticks(np.log2(LEVELS))
 
 
-def _ratio(value, _=None):
+def _ratio(value):
     return f"{value:g}" if value >= 1 else f"1/{1 / value:g}"
