@@ -9,7 +9,7 @@ from .body_states import BodyState
 from .page_words import quantity
 
 REACH, DEPTH = 1.6, 1.6  # drawn part of the body, in contact half-widths a
-WORDS = {"initial": "first loading", "unloading": "unloading", "reloading": "reloading", "path": "path"}
+WORDS = {"normal": "pressing", "initial": "first loading"}  # of branches that have others than their name
 STRESS = "von Mises stress [MPa]"
 
 
@@ -41,6 +41,6 @@ def draw(axis, state: BodyState, a: float, scale: float):
     letter, _, branch = state.label.partition(", ")
     axis.set(xlim=(-REACH, REACH), ylim=(DEPTH, 0), aspect="equal")
     axis.set(xlabel=f"position $x/a$ [–]  (1 = {quantity(a, 'm', 3)})", ylabel="depth $y/a$ [–]")
-    axis.set_title(f"{letter} ({WORDS[branch]})" if branch else letter)
+    axis.set_title(f"{letter} ({WORDS.get(branch, branch)})" if branch else letter)
     axis.grid(False)
     return filled

@@ -17,6 +17,7 @@ from mpi4py import MPI
 
 from ..fem.numbering import nearest
 from ..scene import SceneError
+from ..scene.output import NORMAL
 from .field_index import FOLDER, MESH
 
 
@@ -40,9 +41,8 @@ def read_states(folder: Path) -> list[BodyState]:
         with h5py.File(path) as file:
             if "von_mises" not in file:
                 raise SceneError(f"{folder} holds no von Mises stress: output.fields left it out")
-            branch = file.attrs["branch"]
             name = file.attrs["state"] or f"load step {file.attrs['load_step']}"
-            label = "pressed" if branch == "normal" else f"{name}, {branch}"
+            label = "pressed" if name == NORMAL else f"{name}, {file.attrs['branch']}"
             states.append(BodyState(label, x, y, file["von_mises"][...].reshape(len(y), len(x))))
     return states
 

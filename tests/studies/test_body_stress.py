@@ -2,11 +2,14 @@
 
 import shutil
 
+import h5py
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from running import coarse_arguments
 
 from simulations import fretting
+from simulations.output.body_pictures import draw
 from simulations.output.body_states import read_states
 from simulations.scene import SceneError
 from simulations.studies import body_stress as fields_panel
@@ -37,6 +40,19 @@ def test_field_is_put_where_it_belongs(folder):
     assert pressed == pytest.approx(pressed[:, ::-1], abs=1e-6 * scale)
     assert left == pytest.approx(right[:, ::-1], abs=1e-3 * scale)
     assert np.abs(right - right[:, ::-1]).max() > 0.1 * scale
+
+
+def test_a_load_step_of_pressing_has_its_number(folder, tmp_path):
+    """Where all states are kept there may be many before the end of the normal stage."""
+    copy = shutil.copytree(folder, tmp_path / "copy")
+    with h5py.File(min((copy / "fields").glob("0*.h5")), "a") as file:
+        file.attrs["state"] = ""
+    first = read_states(copy)[0]
+    assert first.label == "load step 0, normal"
+    figure, axis = plt.subplots()
+    draw(axis, first, first.x.max() / 20, first.von_mises.max())
+    assert axis.get_title() == "load step 0 (pressing)"
+    plt.close(figure)
 
 
 def test_panel_and_animation(folder, tmp_path):
