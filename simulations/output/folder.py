@@ -164,8 +164,8 @@ def locked(folder: Path, option: str = "--output") -> Lock:
         raise SceneError(f"{option} {shown(folder)} cannot be written: {error.strerror}") from None
 
 
-def writable(folder: Path, option: str = "--output") -> Path:
-    """``folder``, made where it is missing; SceneError, and nothing left of it, where results cannot be written."""
+def writable(folder: Path, option: str = "--output"):
+    """Make ``folder`` where it is missing; SceneError, and nothing left of it, where results cannot be written."""
     try:
         missing = _missing(folder)
         try:
@@ -187,7 +187,6 @@ def writable(folder: Path, option: str = "--output") -> Path:
         raise SceneError(f"{option} {shown(folder)} cannot be written: {why}") from None
     except (OSError, ValueError) as error:
         raise SceneError(f"{option} {shown(folder)} cannot be written: {getattr(error, 'strerror', error)}") from None
-    return folder
 
 
 class _Claim:

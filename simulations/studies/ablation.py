@@ -152,8 +152,7 @@ def read(arguments: list[str]) -> Namespace:
     given = parser.parse_args(arguments)
     if given.repeats < 1:
         raise SceneError(f"--repeats {given.repeats} is not allowed: an integer ≥ 1")
-    given.page = given.page or given.output / "ablation.md"
-    make_folders(given)
+    make_folders(given, "ablation.md")
     return given
 
 

@@ -23,7 +23,7 @@ from ..runs.reference import of_same_physics
 from ..runs.simulation import Simulation
 from ..runs.step_free import StepFree
 from ..scene import SceneError, make_scene
-from .commandline import make_folders, refuse_nothing_stored, study_parser
+from .commandline import asked_for, make_folders, study_parser
 from .engine import FAILED, Item, run_all, workers
 from .store import Store
 
@@ -201,24 +201,19 @@ def draw(folder, found: list[dict]):
 
 def main(arguments: list[str]):
     """Solve what is not yet solved, then write table and figure of all."""
-    given, scenes = on_root(lambda: read(arguments))
+    given, items = on_root(lambda: read(arguments))
     with workers(comm) as executor:
         if comm.rank == 0:
-            store = Store(given.output / KEPT)
-            items = [Item(name, values) for name, values in scenes.items()]
-            if given.stored:
-                kept = store.read()
-                items = [item for item in items if item.key in kept]
-                scenes = {item.name: item.values for item in items}
-            found = run_all(items, solve, store, executor, say)
+            found = run_all(items, solve, Store(given.output / KEPT), executor, say)
     if comm.rank == 0:
+        scenes = {item.name: item.values for item in items}
         write_table(given.output / "campaign.csv", flat(scenes, found))
         write_text(given.page, table(scenes, found))
         draw(given.output, found)
         say(f"written to {given.output}: campaign.csv, campaign.png; {given.page}")
 
 
-def read(arguments: list[str]) -> tuple[Namespace, dict[str, dict]]:
+def read(arguments: list[str]) -> tuple[Namespace, list[Item]]:
     """The checked command line and its scenes; SceneError where it is wrong."""
     parser = study_parser("campaign", __doc__, "results/campaign", "the table (default: DIR/campaign.md)")
     parser.add_argument("--drawn", type=int, default=200, metavar="N", help="scenes of the draw (200)")
@@ -227,10 +222,10 @@ def read(arguments: list[str]) -> tuple[Namespace, dict[str, dict]]:
     given = parser.parse_args(arguments)
     if given.drawn < 1:
         raise SceneError(f"--drawn {given.drawn} is not allowed: an integer ≥ 1")
-    given.page = given.page or given.output / "campaign.md"
-    refuse_nothing_stored(given, KEPT)
-    make_folders(given)
-    return given, drawn(given.drawn, given.only)
+    items = [Item(name, values) for name, values in drawn(given.drawn, given.only).items()]
+    items = asked_for(given, items, KEPT)
+    make_folders(given, "campaign.md")
+    return given, items
 
 
 if __name__ == "__main__":

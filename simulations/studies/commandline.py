@@ -6,6 +6,7 @@ from pathlib import Path
 from ..command.arguments import Parser
 from ..output.folder import writable
 from ..scene import SceneError, shown
+from .engine import Item
 from .store import Store
 
 
@@ -22,21 +23,30 @@ def study_parser(name: str, description: str | None, output: str | None = None, 
     return parser
 
 
-def refuse_nothing_stored(given: Namespace, name: str):
-    """SceneError where --stored asks for what is solved already, and nothing is."""
-    if given.stored and not Store(given.output / name).read():
+def asked_for(given: Namespace, items: list[Item], store: str) -> list[Item]:
+    """The runs, with --stored those that are solved already; SceneError where none of them is."""
+    if not given.stored:
+        return items
+    kept = Store(given.output / store).read()
+    found = [item for item in items if item.key in kept]
+    if not found:
         raise SceneError(f"--stored is not allowed: --output {shown(given.output)} holds nothing that is solved")
+    return found
 
 
-def make_folders(given: Namespace):
-    """The folders of --output and --page, once everything else is checked; SceneError where one cannot be written."""
+def make_folders(given: Namespace, page: str | None = None):
+    """The folders of --output and --page, once everything else is checked; SceneError where one cannot be written.
+
+    page: name of the page in --output where --page names none.
+    """
+    if page is not None and given.page is None:
+        given.page = given.output / page
     if getattr(given, "output", None) is not None:
-        given.output = writable(given.output)
-    page = getattr(given, "page", None)
-    if page is not None:
-        if page.is_dir():
-            raise SceneError(f"--page {page} is not allowed: a folder, not a file")
-        writable(page.parent, "--page")
+        writable(given.output)
+    if getattr(given, "page", None) is not None:
+        if given.page.is_dir():
+            raise SceneError(f"--page {given.page} is not allowed: a folder, not a file")
+        writable(given.page.parent, "--page")
 
 
 def read_map(arguments: list[str], name: str, description: str | None, values: tuple[int, int]) -> Namespace:

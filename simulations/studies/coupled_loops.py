@@ -8,6 +8,7 @@ that was stopped goes on where it was.
 
 import itertools
 import time
+from argparse import Namespace
 
 import numpy as np
 from mpi4py import MPI
@@ -23,7 +24,7 @@ from ..runs.comparison import NoReference, compare, worst
 from ..runs.simulation import Simulation
 from ..runs.step_free import LOWER, StepFree
 from ..scene import SceneError, make_scene
-from .commandline import make_folders, refuse_nothing_stored, study_parser
+from .commandline import asked_for, make_folders, study_parser
 from .engine import FAILED, Item, Row, run_all, workers
 from .store import Store
 
@@ -116,15 +117,10 @@ def table(values: list[Row], rows: list[Row]) -> str:
 
 def main(arguments: list[str]):
     """Solve what is not yet solved, then write the tables."""
-    given, values = on_root(lambda: read(arguments))
+    given, items = on_root(lambda: read(arguments))
     with workers(comm) as executor:
         if comm.rank == 0:
-            store = Store(given.output / KEPT)
-            items = [Item(", ".join(f"{name} = {value}" for name, value in one.items()), one) for one in values]
-            if given.stored:
-                kept = store.read()
-                items = [item for item in items if item.key in kept]
-            rows = run_all(items, solve, store, executor, say)
+            rows = run_all(items, solve, Store(given.output / KEPT), executor, say)
     if comm.rank == 0:
         values = [item.values for item in items]
         found = [row if FAILED not in row else {"why": row[FAILED]} for row in rows]
@@ -135,17 +131,17 @@ def main(arguments: list[str]):
         say(f"written to {given.output}: coupled_loops.csv; {given.page}")
 
 
-def read(arguments: list[str]):
-    """The checked command line and the values of its runs; SceneError where it is wrong."""
+def read(arguments: list[str]) -> tuple[Namespace, list[Item]]:
+    """The checked command line and its runs; SceneError where it is wrong."""
     page = "the table (default: DIR/coupled_loops.md)"
     parser = study_parser("coupled_loops", __doc__, "results/coupled_loops", page)
     parser.add_argument("--only", nargs="+", default=KINDS, choices=KINDS, metavar="KIND", help=", ".join(KINDS))
     parser.add_argument("--stored", action="store_true", help="tables of what is solved already")
     given = parser.parse_args(arguments)
-    given.page = given.page or given.output / "coupled_loops.md"
-    refuse_nothing_stored(given, KEPT)
-    make_folders(given)
-    return given, cases(given.only)
+    items = [Item(", ".join(f"{name} = {value}" for name, value in one.items()), one) for one in cases(given.only)]
+    items = asked_for(given, items, KEPT)
+    make_folders(given, "coupled_loops.md")
+    return given, items
 
 
 if __name__ == "__main__":

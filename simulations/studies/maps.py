@@ -172,8 +172,7 @@ def read(arguments: list[str]) -> Namespace:
                 raise SceneError(f"--{name} {value:g} is not allowed: a number, {low:g} < value < {high:g}")
     given.k = sorted({*given.k, 0.0})
     given.amplitudes, given.profiles = sorted(set(given.amplitudes)), sorted(set(given.profiles))
-    given.page = given.page or given.output / "maps.md"
-    make_folders(given)
+    make_folders(given, "maps.md")
     return given
 
 

@@ -193,8 +193,7 @@ def read(arguments: list[str]) -> tuple[Namespace, dict[str, dict]]:
     if given.drawn < 0:
         raise SceneError(f"--drawn {given.drawn} is not allowed: an integer ≥ 0")
     cases |= drawn_cases(given.drawn)
-    given.page = given.page or given.output / "stability.md"
-    make_folders(given)
+    make_folders(given, "stability.md")
     return given, cases
 
 

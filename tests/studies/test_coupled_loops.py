@@ -1,7 +1,11 @@
 """The study of the reference of coupled loops."""
 
+import pytest
+
+from simulations.scene import SceneError
 from simulations.studies import coupled_loops
 from simulations.studies.coupled_loops import DIFFERENCES, ERRORS
+from simulations.studies.store import Store
 
 
 def test_cases():
@@ -18,6 +22,15 @@ def test_one_loop_and_one_that_is_not_solved(monkeypatch):
     assert all(0 < row[name] < 1e-3 for name in DIFFERENCES)
     assert row["energy_of_cycle"] > 0 and row["seconds"] > 0
     assert "into contact in stick" in coupled_loops.solve(loop | {"k": -0.5, "nu": 0.0, "mu": 1.0, "share": 0.3})["why"]
+
+
+def test_stored_runs_are_those_of_the_kinds_asked_for(tmp_path):
+    words = ["--output", str(tmp_path)]
+    item = coupled_loops.read(words)[1][0]
+    Store(tmp_path / coupled_loops.KEPT).keep(item.key, item.values, {})
+    assert coupled_loops.read([*words, "--stored"])[1] == [item]
+    with pytest.raises(SceneError, match="holds nothing that is solved"):
+        coupled_loops.read([*words, "--stored", "--only", "elements"])
 
 
 def test_table():
