@@ -7,16 +7,12 @@ import csv
 import importlib.util
 import json
 import math
-import os
-import shutil
-import subprocess
-import sys
 from argparse import SUPPRESS, Namespace
 from dataclasses import asdict
 from pathlib import Path
 
 from ..command.command import comm, on_root, run, say
-from ..output.files import write_table
+from ..output.files import on_disk, write_table
 from ..scene import SceneError, accuracy
 from .commandline import make_folders, study_parser
 from .costs import sweeps
@@ -93,16 +89,18 @@ def named(case: Case) -> Row:
 
 
 def adopt(path: Path, store: Store):
-    """A table without its store, as docs/cost has it, counts as measured."""
-    if store.path.exists():
+    """A table without its store, as docs/cost has it, counts as measured: all of its rows, or none after a stop."""
+    if store.path.exists() or not path.exists():
         return
     known = {case.name: case for case in cases()}
-    for row in read_rows(path):
-        case = known.get(name_of(row))
-        if case is not None:
-            measured = {name: value for name, value in row.items() if value != "" and name not in named(case)}
-            item = item_of(case)
-            store.keep(item.key, item.values, measured | {ADOPTED: True})
+    with on_disk(store.path) as partial:
+        partial.write_bytes(b"")
+        for row in read_rows(path):
+            case = known.get(name_of(row))
+            if case is not None:
+                measured = {name: value for name, value in row.items() if value != "" and name not in named(case)}
+                item = item_of(case)
+                Store(partial).keep(item.key, item.values, measured | {ADOPTED: True})
 
 
 def name_of(row: Row) -> str:
@@ -112,8 +110,6 @@ def name_of(row: Row) -> str:
 
 def read_rows(path: Path) -> list[Row]:
     """Rows of a table, numbers as numbers."""
-    if not path.exists():
-        return []
     with path.open(encoding="utf-8", newline="") as file:
         return [{name: _number(name, value) for name, value in row.items()} for row in csv.DictReader(file)]
 
@@ -133,12 +129,12 @@ def calibrate(rows: list[dict]):
         if len(two) == 2:
             states = max(r.get("largest_of_states") or math.nan for r in two)
             lines[key] = states, max(r["largest"] for r in two), max(r["cpu_s"] for r in two)
-    with accuracy.TABLE.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(("coupled", "k", "fineness", "error", "last", "seconds"))
-        for (coupled, k, t), (states, last, seconds) in sorted(lines.items()):
-            error = "" if math.isnan(states) else f"{states:.2e}"
-            writer.writerow((int(coupled), f"{k:g}", f"{t:g}", error, f"{last:.2e}", f"{seconds:.2f}"))
+    table = []
+    for (coupled, k, t), (states, last, seconds) in sorted(lines.items()):
+        row = {"coupled": int(coupled), "k": f"{k:g}", "fineness": f"{t:g}"}
+        row |= {"error": "" if math.isnan(states) else f"{states:.2e}", "last": f"{last:.2e}"}
+        table.append(row | {"seconds": f"{seconds:.2f}"})
+    write_table(accuracy.TABLE, table)
 
 
 def _number(name: str, text: str):
@@ -156,12 +152,7 @@ def measured_apart(values: Row) -> Row:
     case = Case(**values)
     if case.study == "sweep":
         return sweeps.measure(case)
-    command = [sys.executable, "-m", "simulations.studies.cost", "--case", case.name]
-    if case.ranks > 1:
-        command = [shutil.which("mpirun") or "mpirun", "-n", str(case.ranks), *command]
-    done = subprocess.run(
-        command, text=True, capture_output=True, stdin=subprocess.DEVNULL, env=os.environ | {"OMP_NUM_THREADS": "1"}
-    )
+    done = sweeps.run_apart(case.ranks, "simulations.studies.cost", "--case", case.name)
     lines = [line for line in done.stdout.splitlines() if line.startswith(MARK)]
     if lines:
         row = json.loads(lines[-1].removeprefix(MARK))

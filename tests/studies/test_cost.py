@@ -13,6 +13,7 @@ from simulations.solvers.condensed import schur
 from simulations.solvers.condensed.mirror import parts
 from simulations.solvers.condensed.tangent import DenseTangent
 from simulations.studies import cost
+from simulations.studies.store import Store
 
 
 def factorisations(work):
@@ -98,3 +99,20 @@ def test_only_what_was_measured_is_calibrated(tmp_path, monkeypatch):
     new = [line for line in table.read_text().splitlines() if line not in before.splitlines()]
     assert new == ["0,0.7,8,6.00e-01,5.00e-01,7.00"]
     assert len(table.read_text()) == len(before)
+
+
+def test_a_table_is_taken_over_whole_or_not_at_all(tmp_path, monkeypatch):
+    """Else the next call would take the rows kept before a stop for all, and write the table without the others."""
+    path, store, keep, kept = ROOT / "docs/cost/cost.csv", Store(tmp_path / "cost.jsonl"), Store.keep, []
+
+    def stopped(self, *row):
+        kept.append(row)
+        if len(kept) == 3:
+            raise KeyboardInterrupt
+        keep(self, *row)
+
+    with monkeypatch.context() as patch, pytest.raises(KeyboardInterrupt):
+        patch.setattr(Store, "keep", stopped)
+        cost.adopt(path, store)
+    cost.adopt(path, store)
+    assert len(store.read()) == len(cost.read_rows(path)) > 300

@@ -28,21 +28,26 @@ def measure(case: Case) -> dict:
             vary = [f"solid.k={','.join(map(str, K))}", f"load.amplitude={','.join(map(str, AMPLITUDES))}"]
             commands = [["simulations.sweep", "--vary", vary[0], "--vary", vary[1], "--output", str(folder / "sweep")]]
             commands[0] += ["--folders"] if "folders" in case.level else []
-        _run(1, ["simulations.fretting", str(scene), *sets, "--quiet", "--output", str(folder / "first")])
+        _run(1, "simulations.fretting", str(scene), *sets, "--quiet", "--output", str(folder / "first"))
         wall, cpu = time.perf_counter(), _cpu()
         for module, *words in commands:
-            _run(case.ranks, [module, str(scene), *sets, *words, "--quiet"])
+            _run(case.ranks, module, str(scene), *sets, *words, "--quiet")
         return {"wall_s": time.perf_counter() - wall, "cpu_s": _cpu() - cpu}
 
 
-def _run(ranks, words):
-    command = [sys.executable, "-m", *words]
+def run_apart(ranks: int, module: str, *words: str) -> subprocess.CompletedProcess:
+    """A command of this package in a process of its own, or under mpirun; one thread a rank."""
+    command = [sys.executable, "-m", module, *words]
     if ranks > 1:
         command = [shutil.which("mpirun") or "mpirun", "-n", str(ranks), *command]
     environment = os.environ | {"OMP_NUM_THREADS": "1"}
-    done = subprocess.run(command, text=True, capture_output=True, stdin=subprocess.DEVNULL, env=environment)
+    return subprocess.run(command, text=True, capture_output=True, stdin=subprocess.DEVNULL, env=environment)
+
+
+def _run(ranks, module, *words):
+    done = run_apart(ranks, module, *words)
     if done.returncode:
-        raise RuntimeError(f"exit code {done.returncode} of {' '.join(words[:1])}: {done.stderr.strip()[-100:]}")
+        raise RuntimeError(f"exit code {done.returncode} of {module}: {done.stderr.strip()[-100:]}")
 
 
 def _cpu() -> float:
