@@ -7,7 +7,6 @@ numbers.
 import json
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from math import isfinite
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
@@ -49,9 +48,9 @@ def plain(value):
 
 
 def is_number(value) -> bool:
-    """True for finite numbers that a float holds."""
+    """True for finite numbers that a float holds; nan is below no number."""
     is_real = isinstance(value, (int, float)) and not isinstance(value, bool)
-    return is_real and abs(value) < LARGEST_NUMBER and isfinite(value)
+    return is_real and abs(value) < LARGEST_NUMBER
 
 
 def _number(value) -> float:

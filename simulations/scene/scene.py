@@ -69,9 +69,8 @@ class Scene(BaseModel):
     def _check_effects(self):
         effects, nu = self.effects, self.solid.nu
         if self.solver.theta != 0 and not effects.coupling:
-            raise SceneError(
-                "solver.theta other than 0 needs effects.coupling = true: the pressure held is that of theta = 0"
-            )
+            refused = f"solver.theta = {self.solver.theta:g} is not allowed with effects.coupling = false"
+            raise SceneError(f"{refused}: 0, as the pressure that limits the traction is that of theta = 0")
         if effects.symmetry is True and self.friction:
             raise SceneError("effects.symmetry = true is not allowed: the tangential load breaks it")
         if effects.friction_in_normal_stage and not effects.coupling:

@@ -81,7 +81,8 @@ class Solver(Table):
     @model_validator(mode="after")
     def _theta_needs_full(self):
         if self.theta != 0 and self.method != "full":
-            raise SceneError('solver.theta other than 0 needs solver.method = "full"')
+            refused = f'solver.theta = {self.theta:g} is not allowed with solver.method = "{self.method}"'
+            raise SceneError(f'{refused}: 0, or solver.method = "full"')
         return self
 
 

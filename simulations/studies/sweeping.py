@@ -78,7 +78,7 @@ def sweep(
     if output == "" or not isinstance(output, str | PathLike | None):  # "" would be this folder
         raise SceneError(f"output = {shown(output)} is not allowed: the name of a folder")
     if folders and output is None:
-        raise SceneError("folders of the runs need a folder: output")
+        raise SceneError(f"folders = {shown(folders)} is not allowed without output: the name of a folder")
     if isinstance(executor, ThreadPoolExecutor):
         words = "PETSc does not run in several threads at once; a ProcessPoolExecutor that spawns does"
         raise SceneError(f"executor = {type(executor).__name__} is not allowed: {words}")

@@ -123,8 +123,8 @@ REFUSED: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "--set without anything": (("--set",), ("--set",)),
     "--output without folder": (("--output",), ("--output",)),
     # contradictions
-    "theta": (by_set("solver.theta=1", "solver.method=condensed"), ("solver.theta", "full")),
-    "theta uncoupled": (by_set("solver.theta=1", "effects.coupling=false"), ("solver.theta", "effects.coupling")),
+    "theta": (by_set("solver.theta=1", "solver.method=condensed"), ("solver.theta = 1", "0, or", "full")),
+    "theta uncoupled": (by_set("solver.theta=1", "effects.coupling=false"), ("solver.theta = 1", "= false: 0, as")),
     "no Holl ratio": (by_set("solid.k=-0.3"), ('"holl"', "k = -0.3")),
     "friction off, but mu": (by_set("effects.friction=false"), ("load.mu", "beside effects.friction = false")),
     "symmetry with friction": (by_set("effects.symmetry=true"), ("effects.symmetry", "the tangential load breaks it")),

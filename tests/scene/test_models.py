@@ -123,7 +123,7 @@ def test_points_may_be_an_array():
         (lambda: Fretting(P=1, mu=0.3, amplitude=0.5, points=[]), "beside load.P"),
         (lambda: Path(points=[(1, 0), (1, 0.5)], mu=0.3), "|Q| < mu P"),
         (lambda: Mesh(degree=4), "mesh.degree = 4 is not allowed: an integer, 1 ≤ value ≤ 3"),
-        (lambda: Solver(theta=1, method="condensed"), "solver.theta other than 0"),
+        (lambda: Solver(theta=1, method="condensed"), 'solver.theta = 1 is not allowed with solver.method'),
         (lambda: Reference(kind="truth"), "reference.kind = 'truth' is not allowed"),
         (lambda: EffectSwitches(symmetry="yes"), "effects.symmetry = 'yes' is not allowed: true or false or \"auto\""),
         (lambda: Scene(solid=SOLID, indenter=SOLID, load=LOAD), "indenter = PowerLaw"),

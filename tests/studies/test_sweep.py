@@ -93,6 +93,8 @@ def test_a_folder_without_a_name_is_not_this_one(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     with pytest.raises(SceneError, match="output = '' is not allowed: the name of a folder"):
         sweep(vary={"solid.k": [0.3]}, sets=COARSE_SETS, output="")
+    with pytest.raises(SceneError, match="folders = True is not allowed without output: the name of a folder"):
+        sweep(vary={"solid.k": [0.3]}, sets=COARSE_SETS, folders=True)
     assert not list(tmp_path.iterdir())
 
 
