@@ -19,19 +19,22 @@ class Store:
     def is_own(self) -> bool:
         """Whether ``keep`` wrote a line of it, or the beginning of one; also where there is no file.
 
-        Another line in it does not count: a power cut may leave zeros behind what was written.
+        Another line in it does not count.
         """
-        text = self.path.read_text(encoding="utf-8", errors="replace") if self.path.exists() else ""
-        lines = text.splitlines()
+        lines = self._lines()
         return any(line.startswith(START) for line in lines) or all(START.startswith(line) for line in lines)
 
     def read(self) -> dict[str, dict[str, Any]]:
         """Every finished row by key."""
         return {record["key"]: record["row"] for record in self._records()}
 
-    def _records(self):
+    def _lines(self) -> list[str]:
+        """Without the zeros that a power cut may leave behind what was written, or in its place."""
         text = self.path.read_text(encoding="utf-8", errors="replace") if self.path.exists() else ""
-        for line in text.splitlines():
+        return text.replace("\0", "").splitlines()
+
+    def _records(self):
+        for line in self._lines():
             with suppress(ValueError, KeyError, TypeError):
                 record = json.loads(line)
                 yield {name: record[name] for name in ("key", "values", "row")}

@@ -4,7 +4,6 @@ import csv
 import io
 import itertools
 import re
-import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -46,10 +45,10 @@ def _values(key: str, text: str) -> list:
     if ":" in text and "[" not in text and '"' not in text:
         allowed = f"a range is FIRST:LAST:COUNT, COUNT from 2 to {MOST}"
         raise SceneError(f"--vary {key}={shown(text)} is not allowed: {allowed}")
-    try:
-        return tomllib.loads(f"value = [{text}]")["value"]
-    except (ValueError, RecursionError):
-        values = [read_value(part.strip()) for part in _parts(text)]
+    values = read_value(f"[{text}]")
+    if isinstance(values, list):
+        return values
+    values = [read_value(part.strip()) for part in _parts(text)]
     if "" in values:
         raise SceneError(f"--vary {key}={shown(text)} is not allowed: a value is missing between two commas")
     return values

@@ -100,6 +100,14 @@ def test_a_stopped_study_goes_on(tmp_path):
     assert len(store.read()) == 8
 
 
+def test_zeros_in_the_place_of_all_lines_are_no_other_file(tmp_path):
+    """A power cut may leave them; --overwrite would refuse the folder for ever."""
+    store = Store(tmp_path / "runs.jsonl")
+    store.path.write_bytes(bytes(300))
+    assert store.is_own() and store.read() == {}
+    assert run_all(ITEMS, square, store) == SQUARES and len(store.read()) == 8
+
+
 def test_other_values_are_another_run(tmp_path):
     store = Store(tmp_path / "runs.jsonl")
     run_all([Item("one", {"n": 2})], square, store)
