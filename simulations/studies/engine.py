@@ -49,8 +49,8 @@ class Item:
 
     @property
     def key(self) -> str:
-        """Of its row in a store: the name with a hash of the values, as another value is another run. Of the folder
-        only the name counts: where it lies changes no run, and may change.
+        """Key of its row in a store: the name and a hash of the values. Of the folder only the name counts, as the
+        whole study may be moved.
         """
         folder = {"folder": Path(self.values["folder"]).name} if "folder" in self.values else {}
         text = json.dumps(self.values | folder, sort_keys=True)
@@ -59,9 +59,10 @@ class Item:
 
 @contextmanager
 def workers(comm: MPI.Comm) -> Iterator[Executor | None]:
-    """An executor over the other ranks on rank 0; None on the others, which work until rank 0 leaves, and on one rank.
+    """On rank 0 an executor over the other ranks, None without any. These work until rank 0 leaves, and then get None.
 
-    Who has nothing to do takes the next run. What rank 0 cannot write is raised on every rank. Collective.
+    A rank that is free takes the next run. Wrong input or a file that cannot be written, found by rank 0, is raised on
+    every rank. Collective.
     """
     if comm.size == 1:
         yield None

@@ -9,7 +9,7 @@ import itertools
 import time
 import tomllib
 from argparse import Namespace
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from concurrent.futures import Executor
 from pathlib import Path
 
@@ -41,24 +41,21 @@ EVERY_STATE = "every state"  # key of a case whose errors are the largest of all
 DRIFT = 1e-6  # of the steady loop from cycle to cycle, over the largest pressure
 
 
-def read_cases(only: list[str] = ()) -> dict[str, dict]:
-    """Scene keys by name of the case; ``only`` the studies of these names."""
+def read_cases(only: Sequence[str] = ()) -> dict[str, dict]:
+    """Scene keys by name of the case; ``only`` the studies of these names, else of all."""
     document = tomllib.loads(CASES.read_text(encoding="utf-8"))
-    cases = {}
-    for study in document["study"]:
-        if only and study["name"] not in only:
+    studies, cases = {study["name"]: study for study in document["study"]}, {}
+    if set(only) - set(studies):
+        raise SceneError(f"--only {' '.join(only)} is not allowed: {', '.join(studies)}")
+    for name, study in studies.items():
+        if only and name not in only:
             continue
         base = {key: value for key, value in document["base"].items() if key not in study.get("without", ())}
-        names = list(study.get("keys", ()))
-        product = itertools.product(*(study["keys"][name] for name in names)) if names else ()
-        for changes in [dict(zip(names, values)) for values in product] + study.get("each", []):
-            shown = ", ".join(
-                f"{key.partition('.')[2]} {value}" for key, value in changes.items() if not isinstance(value, list)
-            )
-            cases[f"{study['name']}: {shown}"] = base | changes
-    known = [study["name"] for study in document["study"]]
-    if set(only) - set(known):
-        raise SceneError(f"--only {' '.join(only)} is not allowed: {', '.join(known)}")
+        keys, each = study.get("keys", {}), study.get("each", [])
+        products = itertools.product(*keys.values()) if keys else ()
+        for changes in [*(dict(zip(keys, values)) for values in products), *each]:
+            said = [f"{key.partition('.')[2]} {value}" for key, value in changes.items() if not isinstance(value, list)]
+            cases[f"{name}: {', '.join(said)}"] = base | changes
     return cases
 
 
