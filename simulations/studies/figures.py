@@ -46,8 +46,7 @@ def main(arguments: list[str]):
         say(f"Figure {number}: {WHAT[number]}")
         with style():
             figure, found[number] = FIGURES[number](runs)
-            if comm.rank == 0:
-                save(figure, folder, f"figure{number}")
+            on_root(partial(save, figure, folder, f"figure{number}"))
     if comm.rank == 0:
         say("\n" + "\n".join(lines(found)))
         say(f"\nwritten to {folder}: " + ", ".join(f"figure{n}.pdf, figure{n}.png" for n in numbers))

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from matplotlib import pyplot as plt
 from mpi4py import MPI
-from running import COARSE, ROOT, run_command
+from running import COARSE, ROOT, run_command, run_python
 from scipy.special import hyp2f1
 
 from simulations.runs.simulation import Simulation
@@ -161,6 +161,31 @@ def test_wrong_command_line_is_one_line(tmp_path, module, arguments, word):
     assert len(done.stderr.strip().splitlines()) == 1
     assert word in done.stderr
     assert list(tmp_path.iterdir()) == []
+
+
+FULL = """
+from simulations.command.command import run
+from simulations.output.files import OutputError
+from simulations.studies import {} as study
+
+def save(*_):
+    raise OutputError("no room left")
+
+study.save, study.FIGURES = save, dict.fromkeys((4, 5), lambda runs: (None, runs.comm.Barrier()))
+run(study.main)
+"""
+
+
+@pytest.mark.parametrize(
+    "module, arguments",
+    [("figures", ["4", "5"]), ("maps", ["--k", "0.1", "--amplitudes", "0.5", "--profiles", "2"])],
+)
+def test_a_picture_that_cannot_be_written_ends_all_ranks(tmp_path, module, arguments):
+    """Before what the ranks do together; one that waits there would wait for ever."""
+    words = ["-c", FULL.format(module), *arguments, "--output", tmp_path]
+    done = run_python(*words, ranks=2, timeout=30)  # after which a rank that failed aborts the others
+    assert done.returncode == 5
+    assert sum("no room left" in line for line in done.stderr.splitlines()) == 1 and "Traceback" not in done.stderr
 
 
 @pytest.mark.slow
