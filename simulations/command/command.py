@@ -40,6 +40,7 @@ def on_root(work: Callable[[], T]) -> T:
 
 def run(main: Callable[[list[str]], None]):
     """Run a command's ``main(arguments)`` and exit as its kind of ending asks."""
+    apart = comm.Dup()  # for the end alone: on ``comm`` a rank that failed would meet what the others do together
     stopping.listen(comm.rank == 0)
     signal.signal(signal.SIGPIPE, signal.SIG_IGN)  # which PETSc would take for a crash
     _warn_in_one_line()
@@ -64,7 +65,7 @@ def run(main: Callable[[list[str]], None]):
         comm.Abort(1)
     if code:
         stopping.over()
-    _leave_together(code)
+    _leave_together(apart, code)
 
 
 def _failed(error, code: int) -> int:
@@ -72,7 +73,7 @@ def _failed(error, code: int) -> int:
     return code
 
 
-def _leave_together(code):
+def _leave_together(comm: MPI.Comm, code):
     """Exit once every rank has come here, rank 0 last and with the largest code: else mpirun ends the rest noisily."""
     if isinstance(code, str):
         code = _failed(code, 1)

@@ -10,6 +10,12 @@ def test_a_failure_of_one_rank_is_the_end_of_all(rank, said):
     assert (done.returncode, done.stderr) == (3, said)
 
 
+def test_a_rank_that_waits_for_one_that_failed_is_aborted():
+    """Rank 1 makes a communicator for its work meanwhile: on the same one MPI would mix that with the last barrier."""
+    done = run_command(0, "workers", ranks=2, module="tests.command.failing", timeout=30)
+    assert done.returncode == 3 and "Traceback" not in done.stderr
+
+
 @pytest.mark.parametrize("arguments, code", [(["--list", "--only", "sweep"], 0), (["--output", "/etc/passwd/x"], 2)])
 def test_a_study_of_rank_0_alone_ends_with_its_code(arguments, code):
     done = run_command(*arguments, ranks=2, module="simulations.studies.cost", timeout=60)
