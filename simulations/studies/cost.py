@@ -13,7 +13,7 @@ from pathlib import Path
 
 from ..command.command import comm, on_root, run, say
 from ..output.files import on_disk, write_table
-from ..scene import SceneError, accuracy
+from ..scene import SceneError, accuracy, shown
 from .commandline import make_folders, study_parser
 from .costs import sweeps
 from .costs.cases import COUPLED, Case, cases
@@ -71,7 +71,7 @@ def read(arguments: list[str]) -> Namespace:
         say("GetFEM is not installed (python3-getfem): no peer")
     given.cases = [case for case in cases(given.peer and has_getfem) if given.only in case.name]
     if not given.cases:
-        raise SceneError(f"--only {given.only}: no such case; --list names them")
+        raise SceneError(f"--only {shown(given.only)} is not allowed: a part of a name that --list shows")
     if not (given.case or given.list):
         make_folders(given)
     return given

@@ -193,7 +193,7 @@ def _reason(error: Exception) -> str:
 
 
 class _Progress:
-    """Lines like ``12/225, 3 min left``; a run that failed is told at once."""
+    """Lines like ``12/225  k = 0.3, 3 min left``; a run that failed is told at once."""
 
     def __init__(self, total: int, kept: int, tell: Callable[[str], None] | None):
         self._total, self._done, self._first, self._tell = total, kept, kept, tell
