@@ -1,20 +1,19 @@
 """A sentence of the paper, our number for it, and whether it holds."""
 
 import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 HOLDS, IN_PART, FAILS, UNCHECKED = "holds", "holds in part", "does not hold", "not checked"
 
 
 @dataclass(frozen=True)
 class Claim:
-    """place: section or figure; sentence: what the paper says; found: our numbers in words; values: the numbers."""
+    """place: section or figure; sentence: what the paper says; found: our numbers in words."""
 
     place: str
     sentence: str
     found: str
     verdict: str
-    values: dict[str, float] = field(default_factory=dict)
 
     def row(self) -> str:
         """A row of a Markdown table."""
