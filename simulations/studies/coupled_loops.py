@@ -75,7 +75,7 @@ def orders_apart(values: Row) -> Row:
         rows.append([*(np.sqrt(state.weight @ d**2) / norm for d in apart), abs(stick_too - stick) / contact])
     energy, lower = (_cycle(states) for states in (fine, coarse))
     largest = [*np.max(rows, axis=0), abs(lower / energy - 1)]
-    return dict(zip(DIFFERENCES, map(float, largest))) | {"energy_of_cycle": energy, "seconds": seconds}
+    return dict(zip(DIFFERENCES, map(float, largest))) | {"seconds": seconds}
 
 
 def _states(values, order, like=()):

@@ -75,7 +75,7 @@ def by_simulation(point: Point) -> Energies:
     """From the second cycle of a mesh-free loop with coupling; ContactNotConverged where that fails."""
     solid = GradedHalfPlane(E0=1.0, nu=point.nu, k=point.k, y0=1.0)
     loop = simulate(solid, profile(point.m, point.nu), load(point.nu), point.mu, point.amplitude)
-    return _normalised(point, loop.dissipated_energy, loop.peak_density()[0])
+    return _normalised(point, loop.dissipated_energy, loop.peak_density())
 
 
 def _normalised(point: Point, energy, density) -> Energies:
