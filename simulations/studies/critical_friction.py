@@ -2,7 +2,7 @@
 
     python -m simulations.studies.critical_friction [--output DIR] [--values K NU]
 
-Half a minute on one core. docs/critical_friction.md says what the bounds are bounds of.
+Some seconds on one core. docs/critical_friction.md says what the bounds are bounds of.
 """
 
 import numpy as np
