@@ -3,7 +3,7 @@
 Each check is a number and the limit that it must not pass. Ordinary runs have them in summary.json.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -46,26 +46,24 @@ def check(history: History, height: Callable, cause: Callable[[], str] | None = 
     tolerance = max(entry.tolerance for entry in entries)
     lost = float(sum(np.isnan(entry.a) for entry in entries if entry.step.state or entry is entries[-1]))
     checks = {
-        "residual": Check(max(entry.residual for entry in entries), ATTAINABLE),
+        "residual": Check(largest(entry.residual for entry in entries), ATTAINABLE),
         # tractions read off the fields: Newton's tolerance, and once more the round-off that makes it
-        "load balance": Check(max(map(imbalance, entries)), 10 * tolerance),
-        "p >= 0": Check(max(map(tension, entries)), 0.0),
-        "gap >= 0": Check(max(penetration(entry.surface, height) for entry in entries), PENETRATION),
-        "pressure zigzags": Check(max(zigzags(entry.surface.pressure) for entry in entries), ZIGZAGS),
+        "load balance": Check(largest(map(imbalance, entries)), 10 * tolerance),
+        "p >= 0": Check(largest(map(tension, entries)), 0.0),
+        "gap >= 0": Check(largest(penetration(entry.surface, height) for entry in entries), PENETRATION),
+        "pressure zigzags": Check(largest(zigzags(entry.surface.pressure) for entry in entries), ZIGZAGS),
         "contact has a width": Check(lost, 0.0, LOST if lost else ""),
     }
     if history.friction:
         mu, loaded = history.mu, [entry for entry in entries if np.any(entry.surface.traction)]
         pairs = [(a.surface, b.surface) for a, b in zip(entries, entries[1:])]
-        reach = max((largest_motion(a, b) for a, b in pairs if np.any(b.traction)), default=0.0)
+        reach = largest(largest_motion(a, b) for a, b in pairs if np.any(b.traction))
         wrong = [wrong_slip(a, b, mu, reach) for a, b in pairs]
         checks |= {
-            "|q| <= mu p": Check(
-                max((excess(e.surface, mu) for e in loaded), default=0.0), 10 * max(tolerance, FORCE_TOLERANCE)
-            ),
+            "|q| <= mu p": Check(largest(excess(e.surface, mu) for e in loaded), 10 * max(tolerance, FORCE_TOLERANCE)),
             "energy >= 0": Check(max(-history.dissipated_energy, 0.0), 0.0),
-            "slip against q": Check(max(wrong, default=0.0), WRONG_SLIP),
-            "traction zigzags": Check(max((traction_zigzags(e.surface, mu) for e in loaded), default=0.0), ZIGZAGS),
+            "slip against q": Check(largest(wrong), WRONG_SLIP),
+            "traction zigzags": Check(largest(traction_zigzags(e.surface, mu) for e in loaded), ZIGZAGS),
         }
         if not checks["slip against q"].holds:
             number = np.argmax(wrong) + 1
@@ -108,10 +106,15 @@ def describe(checks: dict[str, Check]) -> str:
     return f"checks that fail: {', '.join(failing)}{causes}" if failing else f"all {len(checks)} checks hold"
 
 
+def largest(values: Iterable[float]) -> float:
+    """The largest of numbers >= 0, nan where one is, which the built-in ``max`` may pass over; 0 without any."""
+    return float(np.max([*values], initial=0.0))
+
+
 def imbalance(entry: Entry) -> float:
     """Largest difference of the integrated tractions from the loads, over P."""
     (P, Q), step = entry.carried, entry.step
-    return max(abs(P - step.P), abs(Q - step.Q)) / step.P
+    return largest((abs(P - step.P), abs(Q - step.Q))) / step.P
 
 
 def tension(entry: Entry) -> float:
@@ -182,13 +185,8 @@ def largest_zigzag(surface: SurfaceState, mu: float) -> float:
 def drift(history: History) -> float:
     """Largest change of p and q from the end of one cycle to that of the next, over the largest p."""
     ends = [e for e in history.entries if e.step.state == "A" and e.step.cycle > 0]
-    changes = [
-        max(
-            np.abs(b.surface.pressure - a.surface.pressure).max(), np.abs(b.surface.traction - a.surface.traction).max()
-        )
-        for a, b in zip(ends, ends[1:])
-    ]
-    return float(max(changes, default=0.0) / ends[-1].surface.pressure.max())
+    fields = [(entry.surface.pressure, entry.surface.traction) for entry in ends]
+    return largest(np.abs(np.diff(fields, axis=0)).ravel()) / float(fields[-1][0].max())
 
 
 # a run is wrong beyond these; of c over a

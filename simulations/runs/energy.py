@@ -20,6 +20,7 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from ..fem.body import ElasticBody, Y
+from .checks import largest
 from .history import Entry
 
 
@@ -136,5 +137,5 @@ def worst_defect(steps: list[EnergyStep], floor: float = 0.0) -> float:
 
     floor: turnover below which round-off, whose scale is P²/E(a) and not the turnover, is all that a defect shows.
     """
-    turnover = max((step.turnover for step in steps), default=0.0)
-    return max(abs(step.defect) for step in steps) / max(turnover, floor) if turnover else 0.0
+    turnover = largest(step.turnover for step in steps)
+    return largest(abs(step.defect) for step in steps) / max(turnover, floor) if turnover else 0.0

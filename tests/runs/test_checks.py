@@ -87,6 +87,24 @@ def test_a_contact_without_a_width_and_a_negative_energy_fail(loop):
     assert "too few nodes" in checks.describe(found)
 
 
+@pytest.mark.parametrize("name", ["pressure", "traction"])
+def test_a_number_that_is_none_is_seen_in_every_load_step(loop, name):
+    """The built-in ``max`` passes over a nan that is not the first."""
+    simulation, meter = loop
+    history = simulation.history
+    values = getattr(history.entries[-2].surface, name)
+    saved, steps = values.copy(), [*meter.steps]
+    values[len(values) // 2] = np.nan
+    steps[-2] = replace(steps[-2], **{"gap" if name == "pressure" else "friction": np.nan})
+    try:
+        found = checks.check(history, simulation.scaled.indenter.height)
+        energy = worst_defect(steps)
+    finally:
+        values[:] = saved
+    failing = {"load balance", f"{name} zigzags"} | ({"p >= 0"} if name == "pressure" else {"|q| <= mu p"})
+    assert {check for check in failing if np.isnan(found[check].value)} == failing and np.isnan(energy)
+
+
 def test_user_sees_checks_and_changing_states(tmp_path):
     done = run_command(*coarse_arguments(tmp_path, solid__nu=0.3))
     assert "checks hold" in done.stdout
