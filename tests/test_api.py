@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from mpi4py import MPI
 from running import COARSE, ROOT
 
 import simulations
@@ -139,6 +140,8 @@ def test_a_scene_may_be_a_file(tmp_path):
     [
         (lambda: run("mine.toml"), "changes = 'mine.toml' are not allowed"),
         (lambda: run(make_scene(), base=make_scene()), "base is not allowed beside a Scene"),
+        (lambda: run(comm=None), "comm = None is not allowed: an MPI communicator"),
+        (lambda: run(comm=MPI.COMM_NULL), "comm = .* is not allowed: an MPI communicator that this process is in"),
         (lambda: make_scene([1, 2]), "changes = .1, 2. are not allowed"),
         (lambda: make_scene({}, base="mine.toml"), "base = 'mine.toml' is not allowed: TOML text, a pathlib.Path"),
         (lambda: make_scene({}, base=3), "base = 3 is not allowed"),

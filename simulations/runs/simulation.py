@@ -5,6 +5,7 @@ from dataclasses import replace
 from functools import cached_property, partial
 
 import numpy as np
+from mpi4py import MPI
 
 from analytic import GradedHalfPlane, PowerLawKernel, PressingWithFriction, normal_contact, point_force_displacement
 from analytic.coupled.exponents import edge_exponents
@@ -16,7 +17,7 @@ from ..fem.numbering import Numbering
 from ..fem.parallel import on_root
 from ..fem.surface import SurfaceSampler
 from ..loading.stepping import LoadStepping, SolveError
-from ..scene import Scene
+from ..scene import Scene, SceneError, shown
 from ..solvers.condensed.surface_compliance import SurfaceCompliance
 from ..solvers.condensed.system import CondensedSystem
 from ..solvers.full import FullSystem
@@ -66,6 +67,9 @@ class Simulation(Plan):
         compliance this one takes over where its own would be equal (``graded_for``): it then ends that one; watch:
         what measures the phases; tolerance: Newton's, of forces and loads over P.
         """
+        if not isinstance(comm, MPI.Comm) or comm == MPI.COMM_NULL:
+            what = "an MPI communicator that this process is in, such as MPI.COMM_WORLD"
+            raise SceneError(f"comm = {shown(comm)} is not allowed: {what}")
         super().__init__(scene, watch or Stopwatch())
         self.mesh_of = None if cells else self.graded_for  # what the mesh was graded for, where that is known
         shared = like if like and self.mesh_of and self.mesh_of == like.mesh_of else None
