@@ -12,8 +12,10 @@ from typing import NoReturn
 from petsc4py import PETSc
 
 from ..output import checkpoint
-from ..scene import Scene, SceneError, parse, shown
+from ..scene import Scene, SceneError, one_line, parse, shown
 from ..scene.text import read_text
+from ..solvers.bulk_solver import bulk_solver
+from ..solvers.newton import read_options
 from ..version import __version__
 
 EPILOG = """\
@@ -96,8 +98,19 @@ def command_line(program: str, *words: str) -> str:
 
 
 def set_petsc_options(options: tuple[str, ...]):
-    """Hand a command line's options to PETSc, which names those that nothing asked for when it ends."""
-    PETSc.Options().insertString(" ".join(options))
+    """Hand a command line's options to PETSc, which names those that nothing asked for when it ends. SceneError, before
+    anything is solved, where it cannot read them.
+    """
+    try:
+        PETSc.Options().insertString(" ".join(options))
+        read_options(PETSc.SNES().create(PETSc.COMM_SELF))
+        smallest = PETSc.Mat().createAIJ(1, nnz=1, comm=PETSc.COMM_SELF)
+        smallest.setValue(0, 0, 1.0)
+        smallest.assemble()
+        bulk_solver(smallest, "lu")  # MUMPS reads its options when it factorises
+    except PETSc.Error as error:
+        why = str(error).rpartition("] ")[2]  # below the functions that it came through
+        raise SceneError(f"PETSc's options {shown(' '.join(options))} are not allowed: {one_line(why)}") from None
     if "log_view" in PETSc.Options():  # also from a file of options
         PETSc.Log.begin()
 

@@ -62,6 +62,13 @@ class _Operator:
         self.system.solve(b if self.right is None else self.right, x)
 
 
+def read_options(snes: PETSc.SNES) -> int:
+    """Give ``snes`` its options; returns how many steps a path has at most. PETSc.Error where one cannot be read."""
+    snes.setOptionsPrefix(PREFIX)
+    with_defaults(PREFIX, SNES_OPTIONS, snes.setFromOptions)
+    return PETSc.Options(PREFIX).getInt(*PATH)
+
+
 def _weakly(method):
     """A bound method that does not keep its object alive: Python's collector does not see what PETSc refers to."""
     weak = weakref.WeakMethod(method)
@@ -79,15 +86,13 @@ class Newton:
         jacobian = PETSc.Mat().createPython((shape, shape), _Operator(system), comm)
         jacobian.setUp()
         self.snes = PETSc.SNES().create(comm)
-        self.snes.setOptionsPrefix(PREFIX)
         self.snes.setFunction(_weakly(self._residual), self._f)
         self.snes.setJacobian(_weakly(self._linearise), jacobian)
         self.snes.setConvergenceTest(_weakly(self._test))
         self.snes.ksp.pc.setType(PETSc.PC.Type.PYTHON)
         self._inverse = _Operator(system)
         self.snes.ksp.pc.setPythonContext(self._inverse)
-        with_defaults(PREFIX, SNES_OPTIONS, self.snes.setFromOptions)
-        self._most_followed = PETSc.Options(PREFIX).getInt(*PATH)
+        self._most_followed = read_options(self.snes)
         self._polished = False
         self._last_force = self._least = np.inf
         self._best = self.x.copy()  # iterate with the least force residual

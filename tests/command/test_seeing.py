@@ -7,10 +7,13 @@ import warnings
 from types import SimpleNamespace
 
 import pytest
+from petsc4py import PETSc
 from running import coarse_arguments, run_command, start_python
 
 from simulations.command import command, progress
+from simulations.command.arguments import set_petsc_options
 from simulations.runs.reference import expected_seconds
+from simulations.scene import SceneError
 
 
 @pytest.fixture(scope="module")
@@ -91,6 +94,26 @@ def test_an_option_that_nothing_asks_for_is_named_once(tmp_path):
     done = run_command(*coarse_arguments(tmp_path), "-fretting_snes_monitr", ranks=2)
     assert done.returncode == 0
     assert (done.stdout + done.stderr).count("-fretting_snes_monitr") == 1
+
+
+@pytest.mark.parametrize(
+    "option, value, why",
+    [
+        ("-fretting_snes_type", "nonsense", "Unable to find requested SNES type nonsense"),
+        ("-fretting_path_max_it", "many", "Input string many has no integer value"),
+        ("-fretting_bulk_mat_mumps_icntl_14", "more", "Input string more has no integer value"),
+        ("-options_file", "/nowhere", "Unable to open options file /nowhere"),
+    ],
+)
+def test_options_that_petsc_cannot_read_are_wrong_input(option, value, why):
+    """They were a traceback in the middle of the run, whose folder was begun."""
+    try:
+        with pytest.raises(SceneError) as error:
+            set_petsc_options((option, value))
+    finally:
+        PETSc.Options().delValue(option)
+    assert str(error.value).startswith(f"PETSc's options '{option} {value}' are not allowed: {why}")
+    assert "\n" not in str(error.value)
 
 
 def test_warnings_come_once(capfd):
