@@ -130,8 +130,11 @@ class Simulation(Plan):
         check_resolution(self.scene, self.cells, self.loop)
         check_depth(self.scene, self.cells)
         self.ordinates = self._ordinates()
-        check_size(self.scene, self.cells, *(len(nodes) - 1 for nodes in self.ordinates))
+        self._check_size()
         return create_mesh(comm, *self.ordinates)
+
+    def _check_size(self):
+        check_size(self.scene, self.cells, *(len(nodes) - 1 for nodes in self.ordinates))
 
     def _problems(self) -> tuple[ContactProblem, ContactProblem | None]:
         """The contact problems of the normal stage and of the stage with friction, if there is one."""
@@ -171,6 +174,7 @@ class Simulation(Plan):
     def _take_over(self, other: "Simulation"):
         """The body of ``other``, at rest."""
         self.cells, self.ordinates, self.body = other.cells, other.ordinates, other.body
+        self._check_size()  # the other one may have no dense matrices
         self.body.reset()
         if other.scene.solver.method == "condensed":
             self._compliance = other._compliance

@@ -9,7 +9,7 @@ from running import COARSE
 
 from simulations.runs.simulation import Simulation
 from simulations.runs.timing import Stopwatch
-from simulations.scene import make_scene
+from simulations.scene import SceneError, make_scene
 from simulations.solvers.condensed import schur
 
 BASE = COARSE | {"load.cycles": 0, "solid.y0": 0.01, "solid.nu": 0.3}
@@ -84,6 +84,14 @@ def test_what_is_reused_has_the_numbers_of_its_own_body(first):
         for name in ("pressure", "traction"):
             one, other = getattr(mine.surface, name), getattr(own.surface, name)
             assert np.abs(one - other).max() <= 1e-8 * own.surface.pressure.max()
+
+
+def test_dense_matrices_have_their_limit_on_the_mesh_of_a_run_without_them(first, monkeypatch):
+    full = made(UNCOUPLED | {"solver.method": "full"}, first)
+    assert full.body is first.body
+    monkeypatch.setattr("simulations.runs.limits.MOST_MATRIX", 1e-4)
+    with pytest.raises(SceneError, match="surface nodes make dense matrices"):
+        made(UNCOUPLED, full)
 
 
 def test_seconds_of_a_phase_within_another_are_counted_once():
