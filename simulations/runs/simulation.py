@@ -18,6 +18,7 @@ from ..fem.parallel import on_root
 from ..fem.surface import SurfaceSampler
 from ..loading.stepping import LoadStepping, SolveError
 from ..scene import Scene, SceneError, shown
+from ..solvers.bulk_solver import FactorisationError
 from ..solvers.condensed.surface_compliance import SurfaceCompliance
 from ..solvers.condensed.system import CondensedSystem
 from ..solvers.full import FullSystem
@@ -209,9 +210,12 @@ class Simulation(Plan):
         return Numbering(self.body, *self.ordinates)
 
     def _system(self, problem):
-        if self.scene.solver.method == "full":
-            return FullSystem(problem)
-        return CondensedSystem(problem, self._compliance)
+        try:
+            if self.scene.solver.method == "full":
+                return FullSystem(problem)
+            return CondensedSystem(problem, self._compliance)
+        except FactorisationError as error:
+            raise SolveError(str(error)) from None
 
     @cached_property
     def _compliance(self):

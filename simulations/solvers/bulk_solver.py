@@ -9,6 +9,11 @@ BULK_OPTIONS = {
     "mat_mumps_icntl_14": 60,  # working space, per cent
 }
 BULK_PREFIX = "fretting_bulk_"
+TOO_LITTLE_MEMORY = -7, -8, -9, -13, -17, -19, -20  # errors of MUMPS, its INFOG(1)
+
+
+class FactorisationError(RuntimeError):
+    """The matrix of the elastic body cannot be factorised; the message says why."""
 
 
 def with_defaults(prefix: str, defaults: dict, configure):
@@ -26,6 +31,7 @@ def with_defaults(prefix: str, defaults: dict, configure):
 
 def bulk_solver(matrix: PETSc.Mat, factorisation: str, changes=None, prepare=None) -> PETSc.KSP:
     """Direct solver of the body, ``factorisation`` "lu" or "cholesky", factorised; options under ``fretting_bulk_``.
+    FactorisationError where that fails.
 
     changes: to BULK_OPTIONS; prepare: function of the preconditioner, called before it is factorised.
     """
@@ -40,4 +46,14 @@ def bulk_solver(matrix: PETSc.Mat, factorisation: str, changes=None, prepare=Non
         ksp.setUp()  # MUMPS reads its options here
 
     with_defaults(BULK_PREFIX, BULK_OPTIONS | {"pc_type": factorisation} | (changes or {}), set_up)
+    if ksp.pc.getFailedReason():  # PETSc itself goes on, with no solution
+        raise FactorisationError(f"the stiffness of the elastic body cannot be factorised: {_why(ksp.pc)}")
     return ksp
+
+
+def _why(pc: PETSc.PC) -> str:
+    if pc.getFactorSolverType() != "mumps":
+        return f"PETSc's reason {pc.getFailedReason()}"
+    code = pc.getFactorMatrix().getMumpsInfog(1)
+    memory = ", too little memory; a coarser mesh needs less" if code in TOO_LITTLE_MEMORY else ""
+    return f"MUMPS error {code}{memory}"

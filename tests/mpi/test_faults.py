@@ -9,14 +9,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 from mpi4py import MPI
-from running import coarse_arguments, contents, fill_disk
+from running import COARSE, coarse_arguments, contents, fill_disk
 
 from simulations import fretting
 from simulations.fem.mesh import create_mesh
 from simulations.fem.parallel import on_root
+from simulations.loading.stepping import SolveError
 from simulations.output import lock
 from simulations.output.files import OutputError
-from simulations.scene import SceneError
+from simulations.runs.simulation import Simulation
+from simulations.scene import SceneError, make_scene
+from simulations.solvers.bulk_solver import FactorisationError
 
 comm = MPI.COMM_WORLD
 pytestmark = pytest.mark.skipif(comm.size < 3, reason="of three ranks")
@@ -64,6 +67,19 @@ def test_gmsh(monkeypatch):
     monkeypatch.setattr("gmsh.model.mesh.generate", refuse)
     with pytest.raises(RuntimeError, match="no mesh"):
         create_mesh(comm, np.array([0.0, 1.0]), np.array([0.0, 1.0]))
+
+
+@pytest.mark.parametrize("rank", [0, 1])
+def test_a_factorisation_on_one_rank(rank, monkeypatch):
+    """Each of two ranks has half of the body, the third one nothing."""
+
+    def refuse(*_):
+        raise FactorisationError("no memory")
+
+    if comm.rank == rank:
+        monkeypatch.setattr("simulations.solvers.condensed.surface_compliance.PartialFactor", refuse)
+    with pytest.raises(SolveError, match="load step 1 of .*: no memory"):
+        Simulation(comm, make_scene(COARSE)).run_to_end()
 
 
 @pytest.mark.parametrize("call", [3, 16], ids=["mesh", "picture"])

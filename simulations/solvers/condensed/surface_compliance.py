@@ -15,6 +15,7 @@ from scipy.sparse import csr_matrix, vstack
 
 from ...fem.body import ElasticBody
 from ...fem.parallel import gathered
+from ..bulk_solver import FactorisationError
 from .matrix import Block, ComplianceMatrix, StripInside
 from .mirror import NONE, Part, parts
 from .schur import PartialFactor
@@ -36,8 +37,14 @@ class SurfaceCompliance:
         self._blocks: list = []
         self.far = np.zeros((len(self.strip), 2))
         loads = np.stack([self._lifting(load) for load in np.eye(2)], axis=1)
-        for number in range(self.comm.rank, self.comm.rank + len(found), self.comm.size):
-            self._add(found[number] if number < len(found) else Part(NONE), inner, interface, loads)
+        failure = None
+        try:
+            for number in range(self.comm.rank, self.comm.rank + len(found), self.comm.size):
+                self._add(found[number] if number < len(found) else Part(NONE), inner, interface, loads)
+        except FactorisationError as error:  # of one rank, perhaps, which is to fail on all
+            failure = error
+        for failure in filter(None, self.comm.allgather(failure)):
+            raise failure
         self.far = self.comm.reduce(self.far)
         blocks = self.comm.gather(self._blocks)
         self._blocks = [block for rank in blocks for block in rank] if blocks else []
