@@ -29,8 +29,8 @@ class Stopwatch:
             self.last = time.perf_counter() - start
             self.seconds[phase] = self.seconds.get(phase, 0.0) + self.last - self._inside
             self._inside = outside + self.last
-        if self._tell:
-            self._tell(phase, self.last)
+            if self._tell:
+                self._tell(phase, self.last)
 
     def go_on(self, seconds: dict[str, float]):
         """Add what an earlier part of the run took, by phase and in ``total``."""

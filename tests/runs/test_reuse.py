@@ -101,3 +101,12 @@ def test_seconds_of_a_phase_within_another_are_counted_once():
             sleep(0.1)
         assert watch.last >= 0.1
     assert watch.last >= 0.1 and watch.seconds["mesh"] < 0.05 < watch.seconds["edges"]
+
+
+def test_a_phase_that_fails_is_told_to_its_end():
+    """Else what is said of the failure stands behind "mesh ... "."""
+    told: list = []
+    watch = Stopwatch(lambda name, seconds: told.append(name if seconds is None else float))
+    with pytest.raises(SceneError), watch("mesh"):
+        raise SceneError("too coarse")
+    assert told == ["mesh", float]
