@@ -30,6 +30,7 @@ T = TypeVar("T")
 comm = MPI.COMM_WORLD
 NO_SOLUTION, CHECKS_FAILED, NOT_WRITTEN = 3, 4, 5  # exit codes; 2 is that of wrong input
 LONGEST_WAIT = 30.0  # s that a rank which failed waits for the others to fail too
+_is_within_line = False  # what was said last: an error begins below it
 LAST = 0.2  # s by which rank 0 ends after the others: mpirun then has nobody left to end, and no more to say
 
 
@@ -118,11 +119,14 @@ def _warn_in_one_line():
     warnings.showwarning = show
 
 
-def say(*words, file=None, **options):
+def say(text: str, file=None, end: str = "\n"):
     """Print on rank 0. Where nobody can listen any more (a closed pipe, a full disk) the run goes on silently."""
+    global _is_within_line
     if comm.rank == 0:
         stream = file or sys.stdout
+        begin = "\n" if file and _is_within_line and stream.isatty() else ""
+        _is_within_line = not end
         try:
-            print(*words, file=stream, flush=True, **options)
+            print(begin + text, file=stream, end=end, flush=True)
         except OSError:
             os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())

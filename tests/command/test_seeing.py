@@ -1,5 +1,6 @@
 """What a run says while it goes, and what reaches PETSc."""
 
+import io
 import os
 import pty
 import re
@@ -76,6 +77,16 @@ def test_on_a_terminal_one_line_is_written_over(tmp_path):
     assert len(steps) == 11
     stay = [re.match(r" *(\d+)", line)[1] for line in steps if "\n" in line]
     assert stay == ["3", "4", "5", "6", "7", "11"]  # A B C D E A
+
+
+def test_an_error_begins_below_a_line_that_is_written_over(monkeypatch):
+    terminal = io.StringIO()
+    terminal.isatty = lambda: True
+    monkeypatch.setattr("sys.stdout", terminal)
+    command.say("   3/31", end="")
+    command.say("not converged", file=terminal)
+    command.say("that is all", file=terminal)
+    assert terminal.getvalue() == "   3/31\nnot converged\nthat is all\n"
 
 
 @pytest.mark.parametrize("in_file", [False, True])
