@@ -53,3 +53,15 @@ def test_a_load_step_leaves_no_vectors(capfd):
     ctypes.CDLL(None).fflush(None)
     found = [int(count) for count in re.findall(r"Total entries: (\d+)", capfd.readouterr().out)]
     assert found == [0] * (0 if comm.rank else 2 * comm.size)
+
+
+def test_a_strip_that_ends_between_two_ranks():
+    """On three: one of them has nodes of the strip's last cells, but not the cells."""
+    mesh = {"mesh__facet": 0.2, "mesh__edge_facet": 0.04, "mesh__growth": 1.15, "mesh__extent": 200.0}
+    simulation = Simulation(comm, parse(DEFAULT_SCENE, coarse_overrides(load__cycles=0, solver__increments=1, **mesh)))
+    middle = (simulation.ordinates[0][1:] + simulation.ordinates[0][:-1]) / 2
+    first = np.argmax(np.abs(middle) < simulation.cells.strip)
+    if comm.size == 3:
+        assert 3 * first == len(middle) + 1  # columns of the first rank
+    energy = simulation.run_to_end().history.dissipated_energy
+    assert energy == pytest.approx(0.0110714388, rel=1e-6)

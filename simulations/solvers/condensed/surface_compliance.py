@@ -7,7 +7,9 @@ factorise one each.
 """
 
 import numpy as np
+from dolfinx import fem
 from dolfinx.fem import petsc as fem_petsc
+from dolfinx.la import InsertMode
 from mpi4py import MPI
 from petsc4py import PETSc
 from scipy.linalg import solve
@@ -115,7 +117,12 @@ class SurfaceCompliance:
         count = body.mesh.topology.index_map(2).size_local
         is_strip = np.zeros(count + body.mesh.topology.index_map(2).num_ghosts, dtype=bool)
         is_strip[body.strip_cells] = True
-        self.strip_dofs = self._dofs_of(np.flatnonzero(is_strip))
+        # a dof where the strip ends may belong to a rank without the cell that makes it the strip's
+        marks = fem.Function(body.space).x
+        marks.array[self._dofs_of(np.flatnonzero(is_strip))] = 1.0
+        marks.scatter_reverse(InsertMode.add)
+        marks.scatter_forward()
+        self.strip_dofs = np.flatnonzero(marks.array).astype(np.int32)
         mine = self._global(self.strip_dofs)
         self.strip = np.unique(gathered(self.comm, mine))
         self.position = np.searchsorted(self.strip, mine)
