@@ -28,8 +28,8 @@ def create_space(mesh, degree: int, mixed: bool) -> tuple[fem.FunctionSpace, fem
 class SurfaceNodes:
     """Displacement nodes of ``facets``, n of all ranks, of which this rank owns m.
 
-    touched: owned and ghost nodes, to which this rank's facets contribute; owned (m,): among them; x (n,): abscissae of
-    all, sorted, on every rank.
+    touched: owned and ghost nodes on the facets of any rank; owned (m,): among them; x (n,): abscissae of all, sorted,
+    on every rank.
     """
 
     def __init__(self, displacements: fem.FunctionSpace, facets: np.ndarray):
