@@ -9,7 +9,6 @@ factorise one each.
 import numpy as np
 from dolfinx import fem
 from dolfinx.fem import petsc as fem_petsc
-from dolfinx.la import InsertMode
 from mpi4py import MPI
 from petsc4py import PETSc
 from scipy.linalg import solve
@@ -113,29 +112,23 @@ class SurfaceCompliance:
 
     def _find_strip(self):
         """Number the strip's dofs; those inside it and those on its interface with the rest of the body."""
-        body = self.body
-        count = body.mesh.topology.index_map(2).size_local
-        is_strip = np.zeros(count + body.mesh.topology.index_map(2).num_ghosts, dtype=bool)
-        is_strip[body.strip_cells] = True
-        # a dof where the strip ends may belong to a rank without the cell that makes it the strip's
-        marks = fem.Function(body.space).x
-        marks.array[self._dofs_of(np.flatnonzero(is_strip))] = 1.0
-        marks.scatter_reverse(InsertMode.add)
-        marks.scatter_forward()
-        self.strip_dofs = np.flatnonzero(marks.array).astype(np.int32)
+        body, topology = self.body, self.body.mesh.topology
+        topology.create_connectivity(2, 2)
+        # also those where the strip ends that belong to a rank without the cell that makes them the strip's
+        self.strip_dofs = self._dofs_of(fem.locate_dofs_topological(body.space, 2, body.strip_cells))
         mine = self._global(self.strip_dofs)
         self.strip = np.unique(gathered(self.comm, mine))
         self.position = np.searchsorted(self.strip, mine)
         self._owned = self.strip_dofs[self.strip_dofs < body.stiffness.getLocalSize()[0]]
         self._sorted = np.argsort(gathered(self.comm, self._global(self._owned)))
-        beyond = self._global(self._dofs_of(np.flatnonzero(~is_strip[:count])))
+        beyond_cells = np.setdiff1d(np.arange(topology.index_map(2).size_local), body.strip_cells)
+        beyond = self._global(self._dofs_of(body.space.dofmap.list[beyond_cells]))
         interface = np.unique(gathered(self.comm, beyond[np.isin(beyond, self.strip)]))
         return np.setdiff1d(self.strip, interface), interface
 
-    def _dofs_of(self, cells):
-        """Local dofs (sorted) of ``cells``."""
-        dofmap = self.body.space.dofmap
-        blocks, size = np.unique(dofmap.list[cells]).astype(np.int32), dofmap.index_map_bs
+    def _dofs_of(self, blocks):
+        """Local dofs (sorted) of ``blocks`` of them."""
+        blocks, size = np.unique(blocks).astype(np.int32), self.body.space.dofmap.index_map_bs
         return (size * blocks[:, None] + np.arange(size)).ravel()
 
     def _global(self, dofs):
