@@ -15,6 +15,7 @@ from .fields import LONGEST_TEXT, ListOf, Word, allowed, alternatives, unit
 from .scene import Scene
 from .table import KINDS, Table, fields
 from .tables import ONE_OF_TWO
+from .text import table_row
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 PAGE, SCHEMA = DOCS / "scene.md", DOCS / "scene.schema.json"
@@ -27,8 +28,7 @@ def table_of_keys() -> str:
     for key, found in ({"title": [Scene.model_fields["title"]]} | fields()).items():
         default = "" if found[0].is_required() or found[0].default is None else f"`{json.dumps(found[0].default)}`"
         meaning = "; ".join(dict.fromkeys(field.description for field in found if field.description))
-        cells = (f"`{key}`", unit(found[0]), allowed(*found), default, meaning)
-        lines.append(f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in cells)} |")
+        lines.append(table_row((f"`{key}`", unit(found[0]), allowed(*found), default, meaning)))
     return "\n".join(lines) + "\n"
 
 

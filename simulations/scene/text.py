@@ -1,8 +1,9 @@
-"""Scenes as text: TOML to flat keys, and values back to TOML. What they mean is checked elsewhere."""
+"""Scenes as text: TOML to flat keys, and values back to TOML or into a table. What they mean is checked elsewhere."""
 
 import json
 import re
 import tomllib
+from collections.abc import Iterable
 from math import isfinite
 from pathlib import Path
 from typing import Any
@@ -73,3 +74,8 @@ def written(value) -> str:
     if isinstance(value, float) and not isfinite(value):
         return str(value)
     return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+
+
+def table_row(cells: Iterable[str]) -> str:
+    """A row of a Markdown table, whose cells may hold a |."""
+    return f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in cells)} |"

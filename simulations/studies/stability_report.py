@@ -7,6 +7,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from ..output import style
+from ..scene.text import table_row
 
 GREEN, REFUSED, FAILING, FAILED = "green", "refused", "checks fail", "no answer"
 UNJUDGED, WRONG = "not judged", "wrong"
@@ -74,8 +75,7 @@ def table(rows: list[dict]) -> str:
     lines.append("|---|---|---|---|---|")
     for row in rows:
         if row["outcome"] != GREEN:
-            cells = row["name"], row["outcome"], row["why"], row.get("friction", ""), action(row)
-            lines.append(f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in cells)} |")
+            lines.append(table_row((row["name"], row["outcome"], row["why"], row.get("friction", ""), action(row))))
     return "\n".join(lines) + "\n"
 
 
