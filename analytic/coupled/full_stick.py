@@ -1,11 +1,12 @@
 """Compliance of a contact that sticks everywhere: how far the indenter moves with Q just after a turn."""
 
 import numpy as np
-from scipy.special import loggamma
+from scipy.special import digamma, loggamma
 
 from .exponents import oscillation
+from .panels import gauss
 
-STEP, REACH = 0.05, 6.0  # of the double exponential rule
+SMALL_K, NODES = 0.5, 24  # |k| below which ln Γ(z - k) - ln Γ(z) is integrated, as it would cancel; nodes for that
 
 
 def stick_compliance(problem, half):
@@ -13,19 +14,18 @@ def stick_compliance(problem, half):
 
     With D = d/sqrt(bk gk) the rates phi = sqrt(bk/gk) dp/dQ + i dq/dQ make R*phi + i D O*phi constant. As with friction
     (``exponents.edge_exponent``), which is imaginary here, phi is i C (1+t)^(e-1) (1-t)^(conj(e)-1), with
-    e = (1+k)/2 + i epsilon (``exponents.oscillation``); C from the integral of phi. delta_x is u_x in the middle.
+    e = (1+k)/2 + i epsilon (``exponents.oscillation``); C from the integral of phi. delta_x is u_x at the right edge,
+    where the integrals are beta functions: with s = e^(kG) = (2 half)^-k Γ(1+k) Γ(conj(e)-k)/Γ(conj(e)) it is
+    gk [(Re s - 1)/k - D Im s].
     """
     k = problem.k
     D = problem.d / np.sqrt(problem.bk * problem.gk)
-    epsilon = oscillation(k, problem.bk, problem.gk, problem.d)
-    exponent = (1 + k) / 2 + 1j * epsilon
-    C = 2**-k * np.exp(loggamma(1 + k) - 2 * loggamma(exponent).real)
-    # t = tanh s, and s = exp(y - exp(-y)): the ends of 0 < s become regular
-    y = np.arange(-REACH, REACH, STEP)
-    s = np.exp(y - np.exp(-y))
-    weight = STEP * s * (1 + np.exp(-y)) * np.cosh(s) ** -(1 + k)
-    log = np.log(half * np.tanh(s))
-    even = np.expm1(-k * log) / k if k else -log
-    of_q = problem.gk * (weight @ (even * np.cos(2 * epsilon * s)))
-    of_p = problem.gk * D * (weight @ (np.exp(-k * log) * np.sin(2 * epsilon * s)))
-    return float(2 * C * (of_q + of_p))
+    conjugate = (1 + k) / 2 - 1j * oscillation(k, problem.bk, problem.gk, problem.d)
+    if abs(k) < SMALL_K:
+        t, weight = gauss(NODES)
+        G = (weight / 2) @ (digamma(1 + k * (1 + t) / 2) - digamma(conjugate - k * (1 + t) / 2))
+    else:
+        G = (loggamma(1 + k) + loggamma(conjugate - k) - loggamma(conjugate)) / k
+    G -= np.log(2 * half)
+    even = np.expm1(k * G).real / k if k else G.real
+    return float(problem.gk * (even - D * np.exp(k * G).imag))

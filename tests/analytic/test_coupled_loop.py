@@ -1,6 +1,5 @@
 """Coupled loops without load steps: closed forms where they are exact, conditions and balances elsewhere."""
 
-from dataclasses import replace
 from functools import lru_cache
 from math import gamma
 
@@ -196,10 +195,24 @@ def test_compliance_of_full_stick(k, nu):
     assert scaled.weights @ p == pytest.approx(0.0, abs=1e-9)
     assert u_x == pytest.approx(np.full(4, stick_compliance(problem, half)), abs=1e-5)
     assert u_y == pytest.approx(np.zeros(4), abs=1e-5)
-    uncoupled = replace(problem, d=0.0)
+
+
+@pytest.mark.parametrize("k", [-0.99, -0.5, -1e-9, 0.0, 0.3, 0.97, 0.99])
+def test_compliance_of_full_stick_without_coupling(k):
+    """The closed form (13), up to the ends of the range of k."""
+    problem, half = NormalStage(solid_of(k), PROFILE, P, MU, False, 8).problem, 1.3
     scale = gamma(1 + k / 2) * gamma((1 - k) / 2) / np.sqrt(np.pi)
-    expected = uncoupled.gk * ((2.0**-k * scale - 1) / k if k else np.log(2 / 2.0))
-    assert stick_compliance(uncoupled, 2.0) == pytest.approx(expected, abs=1e-9)
+    expected = problem.gk * ((half**-k * scale - 1) / k if abs(k) > 1e-8 else np.log(2 / half))
+    assert stick_compliance(problem, half) == pytest.approx(expected, rel=1e-8 if 0 < abs(k) < 1e-8 else 1e-13)
+
+
+@pytest.mark.parametrize("k", [-0.99, 0.99])
+def test_energy_at_the_ends_of_the_range(k):
+    """Of a small loop without coupling, which takes most from the compliance of full stick."""
+    states = loop(k, 0.3, MU, 0.1, False)
+    exact = CylinderContact(solid_of(k), R, P).fretting(MU, 0.1 * MU * P)
+    cycle = states[-1].dissipated_energy - states[1].dissipated_energy
+    assert cycle == pytest.approx(exact.dissipated_energy, rel=1e-7)
 
 
 def test_points_that_come_into_contact_in_stick_are_said():
