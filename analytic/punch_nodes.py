@@ -38,6 +38,8 @@ def left_power(p, kernel_power):
 
 def all_punches(p, kernel_power):
     """start < s < a, for a kernel of order s^kernel_power."""
+    if p.start > 0:  # over ln s, as a wide range of it may count
+        return wider_than(p, 0.0)
     t, rest, weight = plain_rule(left_power(p, kernel_power), p.edge_power, nodes_for())
     return Nodes(p.start + p.width * t, p.width * rest, p.width * weight)
 
@@ -106,8 +108,13 @@ def seen_from_outside(p, x, kernel_power):
     s = np.sqrt(p.a**2 - np.minimum(edge_square, p.a**2 - middle**2))
     weight = span * beside * np.exp(span * t) / (2 * s) * weight
     parts = [Nodes(s, edge_square / (p.a + s), weight)]
-    if middle > p.start:
+    if middle > p.start > 0:  # over ln s, as in all_punches
+        span = np.log(middle / p.start)
+        t, rest, weight = plain_rule(p.power, 0.0, nodes_for(span))
+        s = middle * np.exp(-span * rest)
+        parts.append(Nodes(s, p.a - s, span * s * weight))
+    elif middle > p.start:
         t, _, weight = plain_rule(left_power(p, kernel_power), 0.0, nodes_for())
-        s = p.start + (middle - p.start) * t
-        parts.append(Nodes(s, p.a - s, (middle - p.start) * weight))
+        s = middle * t
+        parts.append(Nodes(s, p.a - s, middle * weight))
     return parts
