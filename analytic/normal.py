@@ -18,7 +18,8 @@ from .quadrature import plain_rule
 from .special import punch_rigid_factor
 
 ENERGY_NODES = 64
-ROOT = {"xtol": 1e-15, "rtol": 1e-15}  # of logarithms of half-widths: all digits
+# of logarithms of half-widths: all digits; beside a flat a load has few, so that its curve has steps
+ROOT = {"xtol": 1e-15, "rtol": 1e-15, "maxiter": 1000}
 
 
 @dataclass(frozen=True)
@@ -161,7 +162,8 @@ class ProfileContact:
         def excess(t):
             return log(outer(t).load / (self.P * fraction))
 
-        return outer(brentq(excess, log(fraction) - 5, -1e-3, **ROOT))
+        steepest = max(5.0, 1 + log(self.profile.order + self.solid.k))  # P ~ width^(order + k) or less steep
+        return outer(brentq(excess, log(fraction) - steepest, -1e-3, **ROOT))
 
     # -- tangential loading ------------------------------------------------------------------------
 

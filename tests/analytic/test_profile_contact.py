@@ -15,6 +15,7 @@ from analytic import (
     ProfileContact,
     UndefinedDisplacementError,
 )
+from analytic.special import punch_rigid_factor
 
 E0, NU, Y0, MU = 2.0, 0.3, 0.2, 0.5
 RTOL = 1e-12
@@ -216,6 +217,40 @@ def test_partial_slip_of_any_profile(k, profile):
     assert loop.traction_within(1.0, -0.2 * loop.Q_A, "unloading") == pytest.approx(
         -0.2 * loop.Q_A, rel=1e-11
     )
+
+
+@pytest.mark.parametrize(("k", "z"), [(-0.9, 0.01), (-0.99, 0.5), (0.5, 1e-8)])
+def test_wedge_with_a_narrow_stick_zone(k, z):
+    """P ~ a^(1+k), so that c is far below a: (52) by powers of s, and the slip beside the contact."""
+    contact = ProfileContact(solid_of(k), PowerProfile(0.3, 1.0), 0.6)
+    state = contact.partial_slip(MU, z=z)
+    K, a = mp.mpf(k), mp.mpf(0.6)
+    c = a * mp.exp(mp.mpf(state.log_ratio) / (1 + K))
+
+    def power(n):
+        return (a**n - c**n) / n
+
+    # P(s) = P (s/a)^(1+k) in the integral of ``slip_work``
+    A, C = a ** (1 + K), c ** (1 + K)
+    share = (power(1) * (A + C) - power(2 + K) - A * C * power(-K)) / A**2
+    scale = 4 * contact.P**2 * contact.solid.normal_compliance * punch_rigid_factor(k)
+    assert relative_error(contact.slip_work(state.log_ratio), scale * share) < RTOL
+    assert state.traction_within(0.599) == pytest.approx(
+        MU * (contact.pressure_within(0.599) - z * contact.P), rel=RTOL
+    )
+    inner = ProfileContact(solid_of(k), contact.profile, float(c))
+    for x in (0.6001, 0.9, 20.0):
+        h = contact.relative_displacement(x) - inner.relative_displacement(x)
+        assert state.slip(x) == pytest.approx(MU * contact.solid.alpha * h, rel=1e-11)
+
+
+def test_half_widths_of_blunt_profiles():
+    """P ~ a^(m+k) of large m; beside a flat, where doubles leave few digits of c - flat."""
+    blunt = ProfileContact(solid_of(0.3), PowerProfile(1.0, 500.0), 1.0)
+    assert blunt.half_width(np.log(0.97)) == pytest.approx(0.97 ** (1 / 500.3), rel=1e-14)
+    flat = ProfileContact(GradedHalfPlane(2.0, 0.3, -0.9, 1.0), rounded_punch(0.3, 1.0), 1.0)
+    c = flat.half_width(np.log(1e-4))
+    assert ProfileContact(flat.solid, flat.profile, c).P == pytest.approx(1e-4 * flat.P, rel=1e-9)
 
 
 def test_sharp_and_blunt_tips():
