@@ -59,7 +59,8 @@ class LoadMemory:
             return self._joined(len(self.P) - self._straight(dQ / dP), P, P, Q)
         direction = np.sign(dQ if dP >= 0 else Q - self.narrower(P))
         reserve, left = self.mu * self.P - direction * self.Q, self.mu * P - direction * Q
-        after = int(np.argmax(reserve >= left - SAME_POINT * self.mu * P))
+        # nearly in full slip: the second, as the first is the origin
+        after = int(np.argmax(reserve >= left - SAME_POINT * self.mu * P) or np.argmax(reserve >= left))
         if direction == 0 or after == 0:  # 0: no punch slips, or by rounding only
             return self._joined(np.searchsorted(self.P, P), P, P, Q)
         share = (left - reserve[after - 1]) / (reserve[after] - reserve[after - 1])

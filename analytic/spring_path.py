@@ -63,7 +63,8 @@ class SpringState:
     @property
     def half_width_below_limit(self):
         """Half-width of the zone where |q| < mu p [length]: not what sticks where loads go back as they came."""
-        return self.path.contact_under(self.memory.below_limit).a
+        load = self.memory.below_limit
+        return self.path.contact_under(load).a if load else 0.0
 
     def pressure(self, x):
         """p(x) [stress], (7)."""

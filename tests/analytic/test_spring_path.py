@@ -255,6 +255,19 @@ def test_withdrawal_to_a_small_load(k):
     assert parts.dissipated_energy == pytest.approx(state.dissipated_energy, rel=1e-10)
 
 
+@pytest.mark.parametrize("rest", [1e-10, 1e-15])
+def test_nearly_full_slip(rest):
+    """mu P - Q of a few roundings: along a ray nothing slips and q = mu p; else all that stuck before is wiped out."""
+    path, Q = SpringPath(cylinder(0.3), MU), MU * P * (1 - rest)
+    ray = path.run([(P, Q)])[-1]
+    assert ray.half_width_below_limit == 0 and ray.stick_half_width == ray.contact_half_width
+    state = path.run([(0.5 * P, 0.1 * MU * P), (0.8 * P, -0.1 * MU * P), (P, 0.0), (P, Q)])[-1]
+    x = ray.contact_half_width * np.array([0.1, 0.5, 0.99])
+    for one in (ray, state):
+        np.testing.assert_allclose(one.traction(x), MU * one.pressure(x), rtol=1e-9)
+    assert state.stick_half_width == state.half_width_below_limit < 1e-4 * state.contact_half_width
+
+
 def test_refusals():
     path = SpringPath(cylinder(0.3), MU)
     for loads in ([(P, MU * P)], [(P, 0.0), (P / 2, -0.6 * MU * P)], [(0.0, 0.0)], [(-1.0, 0.0)], [(np.nan, 0.0)]):
