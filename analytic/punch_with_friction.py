@@ -22,6 +22,7 @@ PANEL_AT_C = 1e-5  # width of the panels at c over that of the zone of stick or 
 OVERSAMPLING = 4  # collocation points per panel beyond TERMS
 ROOT = 1e-10  # of ln(c/(1-c))
 EXTREME = 40.0  # largest |ln(c/(1-c))|: beyond it everything slips, or everything sticks
+LOAD_MET = 1e-3  # error of the load beyond which c is a chance zero: it is 3e-5 at most at others, 4e-3 or more there
 
 
 @dataclass(frozen=True)
@@ -35,8 +36,8 @@ class Medium:
     mu: float
 
     def edge_power(self, sign):
-        """Power of the distance from an edge in a singular solution, in (-1, 0); in (0, 1) for sign -1, k < 0 and
-        friction so strong that mu |d k| > (bk): there it is not singular.
+        """Power of the distance from an edge in a singular solution, in (-1, 0); in (0, 1) for sign 1 and k > 0, or
+        sign -1 and k < 0, where friction is so strong that mu |d k| > (bk): there it is not singular.
 
         Kernel (bk)|z|^-k/k - e sgn(z)|z|^-k on a half-line, e = mu d: sign 1, the pressure at the edge of the contact,
         where q = mu p; sign -1: mu p - q at the edge of stick. Without coupling it is (k-1)/2.
@@ -124,6 +125,13 @@ class PunchWithFriction:
         solution[used] = np.linalg.solve(triangle, Q[-1]) / size[used]
         return solution
 
+    @property
+    def load(self):
+        """∫ p dx, 1 where all equations are met."""
+        panels = self.pressure_panels
+        parts = ((j, *panels.nodes(j)) for j in range(len(panels.lo)))
+        return sum(2 * weight @ self.pressure(j, from_lo, to_hi) for j, from_lo, to_hi, weight in parts)
+
     @cached_property
     def pressure_terms(self):
         """Coefficients of p, shape (panels, terms)."""
@@ -167,7 +175,8 @@ def punch_with_friction(medium, terms=TERMS):
     """The PunchWithFriction whose traction is finite at c.
 
     Where friction is too weak for any zone of stick (k < 0 only), and where that of slip is too narrow for binary64,
-    it is that of the logit -EXTREME or EXTREME.
+    it is that of the logit -EXTREME or EXTREME. The latter also where k is near 1 and friction so strong that a zero is
+    found only where the load is not met: the zone of slip is narrower than 1e-5 there.
     """
 
     @cache
@@ -182,7 +191,8 @@ def punch_with_friction(medium, terms=TERMS):
     while abs(logit) < EXTREME or logit * direction < 0:
         last, logit = logit, min(max(logit + direction * step, -EXTREME), EXTREME)
         if singularity(logit) * direction <= 0:
-            return PunchWithFriction(medium, brentq(singularity, last, logit, xtol=ROOT), terms)
+            found = PunchWithFriction(medium, brentq(singularity, last, logit, xtol=ROOT), terms)
+            return found if abs(found.load - 1) < LOAD_MET else PunchWithFriction(medium, EXTREME, terms)
         step *= 4
     return PunchWithFriction(medium, logit, terms, sticks=direction > 0)
 

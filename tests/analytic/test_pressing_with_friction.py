@@ -164,6 +164,18 @@ def test_weak_friction_holds_no_point():
     np.testing.assert_allclose(contact.traction(x), 0.3 * contact.pressure(x), rtol=1e-12)
 
 
+@pytest.mark.parametrize(("k", "nu", "mu"), [(0.9, 0.5, 0.3), (0.9, 0.2, 2.0), (0.99, 0.5, 0.1)])
+def test_strong_friction_near_k_one(k, nu, mu):
+    """mu |d k| > (bk): stick up to less than 1e-5 from the edge, as with less friction; no energy is gained."""
+    contact = pressing(k, nu, mu)
+    assert contact.stick_ratio == pytest.approx(1, abs=1e-5)
+    assert 0 <= contact.dissipated_energy < 1e-9
+    assert contact.error < 0.01
+    t, rest, weight = plain_rule(0.0, (1 + k) / 2, 40)
+    a = contact.contact_half_width
+    assert 2 * a * weight @ contact.pressure(a * t) == pytest.approx(P, rel=1e-5)
+
+
 def test_incremental_solver_approaches_it():
     """The half-plane solver with friction from first contact: its steps add an error of first order in c."""
     contact = pressing(0.0, 0.2, 0.25)
