@@ -89,8 +89,8 @@ class Panels:
         """∫ R(x - t) g(t) dt and ∫ O(x - t) g(t) dt as matrices (len(x), nodes) acting on g at the nodes."""
         z = x[:, None] - self.nodes
         i, j = np.nonzero(np.abs(x[:, None] - self.middle) < (1 + 2 * NEAR) * self.half)
-        distance = np.abs(z)
-        distance.reshape(len(x), -1, NODES)[i, j] = 1.0
+        distance, shape = np.abs(z), (len(x), len(self.low), NODES)
+        distance.reshape(shape)[i, j] = 1.0
         even = even_kernel(distance, k)
         odd = np.multiply(even, k, out=distance)
         odd += 1
@@ -98,7 +98,6 @@ class Panels:
         np.copysign(odd, z, out=odd)
         even *= self.weights
         if len(i):
-            shape = (len(x), len(self.low), NODES)
             even_near, odd_near = self._near(x[i], j, k)
             even.reshape(shape)[i, j], odd.reshape(shape)[i, j] = even_near, odd_near
         return even, odd
@@ -107,7 +106,7 @@ class Panels:
         """(1/pi) ∫ g(t)/(x - t) dt as a matrix (len(x), nodes) acting on g at the nodes; principal value within."""
         z = x[:, None] - self.nodes
         i, j = np.nonzero(np.abs(x[:, None] - self.middle) < (1 + 2 * NEAR) * self.half)
-        z.reshape(len(x), -1, NODES)[i, j] = 1.0
+        z.reshape(len(x), len(self.low), NODES)[i, j] = 1.0
         result = self.weights / z
         if len(i):
             local = (x[i] - self.middle[j]) / self.half[j]

@@ -270,6 +270,12 @@ def test_paths_that_are_no_loops_are_refused():
             solver.run(path)
 
 
+def test_fields_at_no_points():
+    for state in loop(0.3, 0.3, 0.3, 0.9)[:2]:
+        for field in (state.pressure_at, state.traction_at, state.slip_at):
+            assert field([]).shape == (0,) and field(np.empty((2, 0))).shape == (2, 0)
+
+
 def test_branches():
     assert branches_of([0.5, 1.0, 1.0, 0.5, -1.0, 0.0]) == [(1.0, [0.5, 1.0, 1.0]), (-1.0, [0.5, -1.0]), (1.0, [0.0])]
 
