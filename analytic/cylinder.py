@@ -80,7 +80,7 @@ class CylinderContact:
         x = np.abs(np.asarray(x, dtype=float))
         depth = np.maximum(self.a - x, 0) / self.a * ((self.a + x) / self.a)
         p = self.peak_pressure * depth ** ((1 + self.solid.k) / 2)
-        return np.where(x < self.a, p, 0.0)[()]
+        return np.where(x >= self.a, 0.0, p)[()]
 
     def pressure_within(self, x):
         """∫_{-x}^{x} p dx [stress x length], the load between -x and x; odd in x, ±P beyond ±a."""

@@ -27,7 +27,7 @@ class PunchFields:
         """
         x = np.asarray(x, dtype=float)
         flat = x.ravel()
-        result = np.zeros(flat.size)
+        result = np.where(np.isnan(flat), np.nan, 0.0)
         inside = (flat > 0) & (flat < 1)
         result[inside] = self._beyond(flat[inside], 1 - flat[inside], power, density) / flat[inside]
         if (flat == 0).any():

@@ -50,8 +50,9 @@ def nodes_for(log_span=0.0):
 
 
 def by_blocks(function, x):
-    """function of a 1-d array of |x|, applied to x of any shape block by block."""
+    """function of a 1-d array of |x|, applied to x of any shape block by block; nan where x is nan."""
     x = np.abs(np.asarray(x, dtype=float))
     flat = x.ravel()
     parts = [function(flat[i : i + BLOCK]) for i in range(0, flat.size, BLOCK)]
-    return np.concatenate([np.empty(0), *parts]).reshape(x.shape)[()]
+    result = np.concatenate([np.empty(0), *parts]).reshape(x.shape)
+    return np.where(np.isnan(x), x, result)[()]

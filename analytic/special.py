@@ -148,6 +148,7 @@ def _by_zone(x, s, distance, near, far, at_edge, far_away):
     x, s, distance = np.broadcast_arrays(x, s, x - s if distance is None else distance)
     result = np.where(s == 0, far_away, at_edge)
     result[distance <= 0] = at_edge
+    result[np.isnan(x)] = np.nan
     outside = (s > 0) & (distance > 0)
     x, s, distance = x[outside], s[outside], distance[outside]
     y = distance / x * ((x + s) / x)

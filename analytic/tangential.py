@@ -30,12 +30,13 @@ class UniformShift:
         require("a", self.a)
 
     def traction(self, x):
-        """q(x) [stress], (12); infinite at |x| = a, zero beyond."""
+        """q(x) [stress], (12); infinite at |x| = a for Q ≠ 0, zero beyond."""
         k = self.solid.k
         x = np.abs(np.asarray(x, dtype=float))
         depth = np.where(x < self.a, (self.a - x) / self.a * ((self.a + x) / self.a), 1.0)
         centre = gamma(1 + k / 2) * self.Q / (sqrt(pi) * gamma((1 + k) / 2) * self.a)
-        beyond = np.where(x == self.a, np.copysign(np.inf, self.Q), 0.0)
+        edge = np.copysign(np.inf, self.Q) if self.Q else 0.0
+        beyond = np.where(x == self.a, edge, np.where(x > self.a, 0.0, x))  # nan where x is
         return np.where(x < self.a, centre * depth ** ((k - 1) / 2), beyond)[()]
 
     def traction_within(self, x):

@@ -19,7 +19,10 @@ from analytic import (
     CylinderContact,
     GradedHalfPlane,
     GradedPair,
+    PowerProfile,
+    PressingWithFriction,
     Profile,
+    ProfileContact,
     UndefinedDisplacementError,
     UniformShift,
     from_displacement,
@@ -214,6 +217,25 @@ def test_two_bodies_in_tangential_contact():
     pair = UniformShift(GradedPair(first, second), 0.7, 3.0).relative_displacement(1.0)
     parts = [UniformShift(solid, 0.7, 3.0).relative_displacement(1.0) for solid in (first, second)]
     assert pair == pytest.approx(sum(parts), rel=1e-14)
+
+
+def test_fields_where_x_is_not_a_number():
+    """nan, which is not taken for a point beyond the contact or in stick; nor is an edge under no load singular."""
+    solid = solid_of(0.3)
+    cylinder = CylinderContact(solid, 3.0, 1e-3)
+    profile = ProfileContact(solid, PowerProfile(0.3, 3.0), 0.7)
+    states = [contact.partial_slip(0.5, 0.2 * contact.P) for contact in (cylinder, profile)]
+    normal = ["pressure", "pressure_within", "relative_displacement", "displacement"]
+    tangential = ["traction", "traction_within", "slip", "slip_gradient"]
+    shifted = ["traction", "traction_within", "relative_displacement", "displacement"]
+    pressed = PressingWithFriction(solid, profile.profile, 0.5, 1.0, terms=8)
+    cases = [(cylinder, [*normal, "gap"]), (profile, normal), *((state, tangential) for state in states)]
+    cases += [(UniformShift(solid, 0.7, 3.0), shifted), (pressed, ["pressure", "traction", "slip"])]
+    for owner, names in cases:
+        for name in names:
+            first, second = getattr(owner, name)(np.array([np.nan, 0.1]))
+            assert np.isnan(first) and np.isfinite(second), (owner, name)
+    np.testing.assert_array_equal(UniformShift(solid, 0.7, 0.0).traction([0.1, 0.7, 0.8]), 0)
 
 
 def test_inadmissible_regions():
