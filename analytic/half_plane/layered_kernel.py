@@ -106,8 +106,8 @@ class LayeredKernel:
         low, high = 0.01 / self.largest, 3 / self.smallest
         decades = np.log10(high / low)
         omega = np.geomspace(low, high, int(PER_DECADE * decades))
-        power = self.power_law.compliance(omega)
-        difference = self.compliance(omega) - np.stack([power[0].real, power[1].real, power[2].imag])
+        power, whole = self.power_law.compliance(omega), self.compliance(omega)
+        difference = whole - np.stack([power[0].real, power[1].real, power[2].imag])
         left = np.abs(difference[:, -1]).max() / np.abs(power[1, -1])
         if left > LARGEST_AT_SURFACE:
             raise ValueError(
@@ -118,7 +118,7 @@ class LayeredKernel:
         target = (omega * difference)[[1, 0, 2]].T
         strength, *_ = np.linalg.lstsq(np.exp(-omega[:, None] * h), target, rcond=CUTOFF)
         misfit = np.abs(np.exp(-omega[:, None] * h) @ strength - target).max(axis=0)
-        misfit = misfit / np.abs(omega * power[1]).max()
+        misfit = misfit / min(np.abs(omega * C).max() for C in (power[1], whole[1]))
         if misfit.max() > LARGEST_MISFIT:
             raise RuntimeError(
                 f"the kernel of the coated half-plane is met to {misfit.max():.1e} only, {LARGEST_MISFIT:.0e} is needed"
@@ -127,7 +127,10 @@ class LayeredKernel:
 
     @property
     def misfit(self):
-        """Largest error of ω C that the sum of sources leaves, over the largest ω C_yy of the power law: N, T, D."""
+        """Largest error of ω C that the sum of sources leaves: N, T, D.
+
+        Over the largest ω C_yy, of the body or of the power law at its surface: the lesser of both.
+        """
         return self._sources[2]
 
     @cached_property

@@ -151,3 +151,18 @@ def test_coatings_up_to_a_factor_of_ten(kind, ratio, thickness):
         lambda y: modulus(y) if y <= thickness else 1.0, surface, thickness, min(1e-3, thickness / 300), 30.0
     )
     assert kernel.misfit.max() < 5e-6
+
+
+def test_misfit_counts_over_the_compliance_of_the_body():
+    """A coating stiff at the surface, k < 0: long waves feel nothing of its power law, which is far softer."""
+    k, thickness = -0.6, 0.05
+    kernel = LayeredKernel(
+        lambda y: (y / thickness) ** k if y <= thickness else 1.0,
+        GradedHalfPlane(1.0, 0.3, k, thickness), thickness, thickness / 300, 30.0,
+    )
+    h, strength, _ = kernel._sources
+    omega = np.geomspace(1e-3, 1e4, 50)
+    power, whole = kernel.power_law.compliance(omega), kernel.compliance(omega)
+    difference = whole - np.stack([power[0].real, power[1].real, power[2].imag])
+    error = np.abs(np.exp(-omega[:, None] * h) @ strength - (omega * difference)[[1, 0, 2]].T).max(axis=0)
+    assert np.all(error < 10 * kernel.misfit * np.abs(omega * whole[1]).max())
