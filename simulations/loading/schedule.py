@@ -98,7 +98,8 @@ def visiting(start: Load, points: list[Load], steps: int) -> list[LoadStep]:
         direction = int(np.sign(point.Q - start.Q))
         for z in np.arange(1, steps + 1) / steps:
             schedule.append(LoadStep(start.towards(point, z), branch, direction=direction))
-        schedule[-1] = replace(schedule[-1], state=str(number) if branch == "path" else "")
+        # the point to its last digit: without coupling nothing enters contact while P stays
+        schedule[-1] = replace(schedule[-1], load=point, state=str(number) if branch == "path" else "")
         start = point
     return schedule
 

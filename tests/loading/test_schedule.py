@@ -1,0 +1,15 @@
+"""The load schedule: load steps that end where they are asked to."""
+
+import pytest
+
+from simulations.fem.load import Load
+from simulations.loading.schedule import visiting
+
+
+@pytest.mark.parametrize("P", [0.1, 0.3, 0.9])
+def test_a_path_meets_its_points_to_the_last_digit(P):
+    """Else P would change by round-off where it stays, and edges of contact would be looked for."""
+    points = [Load(P, 0.01), Load(P, 0.02), Load(1.0, 0.03)]
+    steps = visiting(Load(0.7), points, 3)
+    assert [step.load for step in steps[2::3]] == points
+    assert all(step.P == P for step in steps[2:6])
