@@ -5,6 +5,7 @@ import numpy as np
 from ..fem.load import Load
 
 FURTHEST = 3.0  # that a load may be ahead
+SAME = 1e-9  # of P: loads this close are equal
 
 
 class LastSteps:
@@ -24,7 +25,11 @@ class LastSteps:
         before, last = (np.array(kept) for kept, _ in self._kept)
         done, ahead = last - before, np.array(load) - last
         share = done @ ahead / (done @ done) if np.any(done) else 0.0
-        return share if 0 < share <= FURTHEST and np.allclose(ahead, share * done, rtol=0, atol=1e-9 * load.P) else 0.0
+        return share if 0 < share <= FURTHEST and np.allclose(ahead, share * done, rtol=0, atol=SAME * load.P) else 0.0
+
+    def stays(self, load: Load) -> bool:
+        """Whether ``load`` is that of the last step."""
+        return bool(self._kept) and np.allclose(load, self._kept[-1][0], rtol=0, atol=SAME * load.P)
 
     def turned(self, load: Load) -> bool:
         """Whether ``load`` is known to lie another way than the last step went."""

@@ -162,7 +162,9 @@ class Newton:
         return self._solved == load
 
     def accept(self, load):
-        """Keep what was solved: a load step has ended."""
+        """Keep what was solved: a load step has ended. A dwell is no turn of the load: what led to it leads on."""
+        if self.last_steps.stays(load):
+            return
         if self._jumps is not None and self._states is not None:
             self._jumps.accept(load, self._states, self.last_steps.turned(load))
         self.last_steps.keep(load, self.x)
