@@ -11,6 +11,7 @@ from .body import ElasticBody
 from .parallel import gathered
 
 SIDES = -1, 1  # left and right of the contact
+SAME_NODE = 1e-12  # of the contact half-width: points this close are one node's
 
 
 class SurfacePoints:
@@ -37,13 +38,14 @@ class SurfacePoints:
 
 
 class AllPoints:
-    """The points of all ranks, sorted by x: x (n,) on every rank."""
+    """The points of all ranks, sorted by x, at a node the left cell's first: x (n,), one a node, on every rank."""
 
     def __init__(self, points: SurfacePoints):
         self._comm = points.body.mesh.comm
         x, middle = gathered(self._comm, points.x), gathered(self._comm, points.middle)
-        self._order = np.lexsort((middle, x))
-        self.x = x[self._order]
+        self._order = np.lexsort((x, middle))  # not x first: that of a node differs in its last digits
+        x = x[self._order]
+        self.x = np.where(np.diff(x, prepend=-np.inf) > SAME_NODE, x, np.roll(x, 1))
         start = sum(self._comm.allgather(len(points.x))[: self._comm.rank])
         self._mine = np.argsort(self._order)[start : start + len(points.x)]
 

@@ -7,7 +7,6 @@ import numpy as np
 from forms.contact import OPEN
 
 BESIDE = 8  # points beside the edge, whose displacement has the error of the facet that it cuts
-SAME_NODE = 1e-12  # of the contact half-width: points this close are one node's
 
 
 @dataclass(frozen=True)
@@ -27,7 +26,7 @@ def edge_of_contact(x, states, side: int) -> float:
     """Half way from the last node in contact on a side to the next, of points (n,) at x."""
     contact = np.flatnonzero(states != OPEN)
     last = x[contact[-1] if side > 0 else contact[0]]
-    beyond = np.searchsorted(x, last + SAME_NODE) if side > 0 else np.searchsorted(x, last - SAME_NODE) - 1
+    beyond = np.searchsorted(x, last, "right") if side > 0 else np.searchsorted(x, last) - 1
     return float(last + x[np.clip(beyond, 0, len(x) - 1)]) / 2
 
 

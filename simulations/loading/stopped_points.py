@@ -11,7 +11,7 @@ import numpy as np
 from forms.contact import CLOSED, OPEN
 
 from ..fem.surface_points import SIDES
-from .contact_points import BESIDE, SAME_NODE, Surface, edge_of_contact, leading
+from .contact_points import BESIDE, Surface, edge_of_contact, leading
 
 CUT = 4  # points that reach over the facet which an edge of contact cuts
 OUT = 2  # points outside of that facet which are anchored with those that it reaches over
@@ -169,6 +169,6 @@ def without_kink(x, before: Surface, after: Surface, side: int, touch) -> np.nda
 
 def smooth(x, values, support: list | np.ndarray, at) -> np.ndarray:
     """At points ``at`` the polynomial through those ``values`` of points (n,) at x that ``support`` lists."""
-    nodes = np.sort(x[support])
-    nodes = nodes[np.diff(nodes, prepend=-np.inf) > SAME_NODE]
-    return np.polynomial.Polynomial.fit(nodes, values[np.searchsorted(x, nodes)], len(nodes) - 1)(at)
+    support = np.sort(support)
+    support = support[np.diff(x[support], prepend=-np.inf) > 0]
+    return np.polynomial.Polynomial.fit(x[support], values[support], len(support) - 1)(at)

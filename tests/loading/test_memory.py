@@ -294,6 +294,32 @@ def test_a_dwell_and_a_return_pass_the_check_of_slip():
     assert checks.check(simulation.history, simulation.scaled.indenter.height)["slip against q"].value < 1e-6
 
 
+@pytest.mark.parametrize("there", [1e3, 1e3 * (1 - 1e-13)], ids=["exact", "to round-off"])
+@pytest.mark.parametrize("scene", [HOLL, UNCOUPLED], ids=["holl", "uncoupled"])
+def test_a_dwell_is_no_turn_of_the_load(scene, there):
+    """The next step starts on the line through the states before it, with the edges that these lead to."""
+    straight, dwelling = (
+        run(scene | {"load.mu": 0.3, "load.points": [[1e4, 0.0], [1e4, 1e3], *dwell, [1e4, 2e3]]}, 2).history.entries
+        for dwell in ([], [[1e4, there]])
+    )
+    assert [entry.iterations for entry in dwelling[-2:]] == [entry.iterations for entry in straight[-2:]]
+    expected = straight[-1].surface.traction
+    assert dwelling[-1].surface.traction == pytest.approx(expected, abs=1e-8 * expected.max())
+
+
+@pytest.mark.parametrize("scene", [HOLL, HOLL | {"solid.nu": 0.2}, UNCOUPLED], ids=["holl", "coupled", "uncoupled"])
+def test_a_load_to_the_left_gives_the_mirror_image(scene):
+    """To the tolerance of the forces: anchors of points that stop take the same neighbours on both sides."""
+    points = np.array([[1e4, 0.0], [1e4, 1e3], [3.5e3, 1e3], [1e4, 1e3]])
+    right, left = (
+        run(scene | {"load.mu": 0.3, "load.points": (points * [1, sign]).tolist()}, 2).history.entries[-1].surface
+        for sign in (1, -1)
+    )
+    for name, sign in (("pressure", 1), ("traction", -1), ("relative_displacement", -1)):
+        expected = getattr(right, name)
+        assert sign * getattr(left, name)[::-1] == pytest.approx(expected, abs=1e-8 * np.abs(expected).max())
+
+
 def test_a_restored_state_balances_as_it_did(monkeypatch):
     """Where a pass for the anchors fails, the last state and its forces are back: displacements lose their digits."""
     solve, loads = LoadStepping._solve, []
