@@ -157,5 +157,5 @@ class Coating:
 def up_to(limit, y):
     """min(y, limit)."""
     if isinstance(y, Expr):
-        return ufl.min_value(y, limit) if isinstance(limit, Expr) else y
+        return y if limit == inf else ufl.min_value(y, limit)
     return np.minimum(y, limit)

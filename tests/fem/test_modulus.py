@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import ufl
 from scipy.integrate import quad
 
 from forms.modulus import Coating, PowerLaw, with_parameters
@@ -33,3 +34,10 @@ def test_parameters(modulus):
         replaced = name in modulus.parameters and np.isfinite(value)
         assert getattr(made, name) == (-value if replaced else value), name
     assert set(modulus.parameters) == set(vars(modulus)) - {"sign", "exponential"}
+
+
+@pytest.mark.parametrize("y", [0.2, 1.0])
+@pytest.mark.parametrize("modulus", MODULI, ids=str)
+def test_plain_numbers_in_ufl_expressions(modulus, y):
+    """A finite thickness that is a number, no UFL constant, ends the coating in a form too."""
+    assert float(modulus.young(ufl.as_ufl(y))) == pytest.approx(modulus.young(y), rel=1e-14)
