@@ -276,19 +276,20 @@ class LoadStepping:
         """Of the surface points; without coupling from the frictionless problem, whose state is held."""
         if not self._is_uncoupled:
             return self.problem.terms.clearance.values()
-        tangential, rigid = self.problem.held.remove_tangential(), self.body.delta.value.copy()
-        clearance = self.normal.terms.clearance.values()
-        self.body.state.x.array[:] += tangential
-        self.body.delta.value[:] = rigid
-        return clearance
+        return self._clearance_at(self.problem.held.state.x.array, self.body.delta.value.copy())
 
     def _first_clearance(self):
         """The indenter's height above the surface points: their clearance before the first contact."""
-        state, rigid = self.body.state.x.array.copy(), self.body.delta.value.copy()
-        self.body.state.x.array[:], self.body.delta.value[:] = 0.0, 0.0
-        height = self.normal.terms.clearance.values()
-        self.body.state.x.array[:], self.body.delta.value[:] = state, rigid
-        return height
+        return self._clearance_at(0.0, 0.0)
+
+    def _clearance_at(self, state, rigid):
+        """By the frictionless problem, with this state of the body and these rigid displacements; its own stay."""
+        body = self.body
+        kept = body.state.x.array.copy(), body.delta.value.copy()
+        body.state.x.array[:], body.delta.value[:] = state, rigid
+        clearance = self.normal.terms.clearance.values()
+        body.state.x.array[:], body.delta.value[:] = kept
+        return clearance
 
     def _renew_pressure(self, load: Load) -> list[NewtonResult]:
         """Without coupling: the frictionless contact under a new P, beneath an unchanged tangential problem."""

@@ -320,6 +320,18 @@ def test_a_load_to_the_left_gives_the_mirror_image(scene):
         assert sign * getattr(left, name)[::-1] == pytest.approx(expected, abs=1e-8 * np.abs(expected).max())
 
 
+def test_a_look_at_the_clearance_moves_nothing():
+    """Nor a last digit, which the tractions would show: where points enter, solves start from the state itself."""
+    points = [[1e4, 0.0], [1e4, 1e3], [3.5e3, 1e3], [1e4, 1e3]]
+    scene = make_scene(UNCOUPLED | MESH | {"load.mu": 0.3, "load.points": points, "solver.increments": 2}, base=None)
+    simulation = Simulation(MPI.COMM_SELF, scene)
+    for entry in simulation.run():
+        before = simulation.body.state.x.array.copy()
+        if entry.step.branch != "normal":
+            assert np.any(simulation.solver._clearance() > 0)
+        assert np.array_equal(simulation.body.state.x.array, before), entry.number
+
+
 def test_a_restored_state_balances_as_it_did(monkeypatch):
     """Where a pass for the anchors fails, the last state and its forces are back: displacements lose their digits."""
     solve, loads = LoadStepping._solve, []
