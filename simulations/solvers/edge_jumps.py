@@ -20,8 +20,10 @@ from ..fem.contact_problem import ContactProblem, Y
 from ..fem.load import Load
 from ..fem.surface_points import SIDES, AllPoints
 
+JUMPS = 4  # first steps of a solve in which edges may jump
 LEAST_JUMP = 2  # points between the edge of one iterate and the next for which it is done
 ISLAND = 0.1  # share of the points that stick: fewer beside each other are no zone of stick, but still to slide
+IMPOSED = np.array([LIFTED, DRIVEN_BACKWARD, PINNED, DRIVEN_FORWARD])  # on OPEN, BACKWARD, CLOSED, FORWARD points
 NARROWED = 0.5  # of the stick zone or the contact that Coulomb's law would leave: it does not become narrower
 
 
@@ -35,12 +37,19 @@ class EdgeJumps:
         self._inwards, self._outwards = 2 / (1 + k), 2 / (3 - k)
         self._used: np.ndarray | None = None  # edges of the last step,
         self._states: np.ndarray | None = None  # and its states
+        self._first: np.ndarray | None = None  # contact states (m,) that the first step has
+        self._jumps_left = 0
         self._accepted: list[tuple] = []  # loads and edges of the last load steps that went one way, three at most
         self._expected: np.ndarray | None = None  # edges on the polynomial through these
 
-    def begin(self, load):
-        """Forget the last step; edges are expected where those accepted lead under ``load`` (fem.load.Load), if any."""
+    def begin(self, load, states: np.ndarray | None):
+        """Forget the last step; edges are expected where those accepted lead under ``load`` (fem.load.Load), if any.
+
+        states: contact states (m,) of this rank's points where they are nearly those to be found, else None. The first
+        step has them, and no edge jumps.
+        """
         self._states = self._used = self._expected = None
+        self._first, self._jumps_left = states, JUMPS if states is None else 0
         if load is not None and len(self._accepted) >= 2:
             loads, edges = (np.array(values) for values in zip(*self._accepted))
             done = loads[-1] - loads[-2]
@@ -65,11 +74,15 @@ class EdgeJumps:
         """Go on from what ``save`` returned, if it is among ``saved``."""
         self._accepted = [(Load(*row[:3]), row[3:]) for row in saved.get("last edges", ())]
 
-    def after(self, states: np.ndarray, jump: bool) -> np.ndarray | None:
+    def after(self, states: np.ndarray) -> np.ndarray | None:
         """What to impose on this rank's points (m,) in the next step, see ``contact.slides``; None for nothing.
 
-        states: those of Coulomb's law at the present iterate (m,); jump: whether edges may.
+        states: those of Coulomb's law at the present iterate (m,).
         """
+        jump, self._jumps_left = self._jumps_left > 0, self._jumps_left - 1
+        if self._first is not None:
+            imposed, self._first = IMPOSED[self._first], None
+            return imposed
         law, before = self._points.gathered(states), self._states
         imposed = np.zeros(len(law))
         if before is not None:  # a point that turns round at once has slid back too far: it sticks in between

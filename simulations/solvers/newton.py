@@ -30,7 +30,6 @@ SETTLED = 1e-11  # force residual / P above which a balanced state gets one more
 # above round-off where contact states are at rest
 PATH = "path_max_it", 400  # option: steps at most of a path on which contact states change one by one
 ATTAINABLE = 1e-6  # residual up to which a solve may end that round-off holds up
-JUMPS = 6  # first iterations of a solve in which edges may jump
 
 
 @dataclass(frozen=True)
@@ -118,7 +117,8 @@ class Newton:
             self.system.start_elsewhere()
         self._may_jump = jump
         if jump:
-            self._jumps.begin(load if extrapolate else None)
+            # new anchors make points slide that are to stick: the states of the last anchors are closer
+            self._jumps.begin(load if extrapolate else None, self._states if self.has_solved(load) else None)
         self.x.copy(self._best)
         if predict:
             with self.system.problem.safeguards.all_stick():
@@ -216,7 +216,7 @@ class Newton:
         self._inverse.right = None
         imposed = None
         if self._may_jump and self._states is not None:
-            imposed = self._jumps.after(self._states, snes.getIterationNumber() < JUMPS)
+            imposed = self._jumps.after(self._states)
         if imposed is None:
             self.system.linearise(x)
         else:
