@@ -34,6 +34,11 @@ class StuckEdge:
         solid = self.solid
         return oscillation(solid.k, solid.bk, solid.gk, PowerLawKernel(solid).d)
 
+    @property
+    def power(self) -> float:
+        """Of the distance from an edge of contact, with which the clearance beyond it grows: (3-k)/2."""
+        return (3 - self.solid.k) / 2
+
     def angle(self, distance, advance: float, width: float) -> np.ndarray:
         """Change of theta from a point that the edge has just reached to those at ``distance`` > 0 (n,).
 
@@ -49,7 +54,7 @@ class StuckEdge:
         return scale * np.tan(np.clip(np.arctan(r / scale) + angle, -LARGEST_ANGLE, LARGEST_ANGLE))
 
     def _phase(self, distance, advance, width):
-        power = (3 - self.solid.k) / 2 + 1j * self.oscillation  # of the rate, integrated
+        power = self.power + 1j * self.oscillation  # of the rate, integrated
         near = np.maximum(distance / advance, CLOSEST)
         left = np.maximum(near - 1.0, 0.0)  # ahead of the edge as it is now
         moved = near**power - np.where(left > 0, left, 1.0) ** power * (left > 0)

@@ -23,7 +23,6 @@ from .approach import Approach, Ratio
 from .contact_points import BESIDE, Surface, open_points
 from .stopped_points import StickCurves, without_kink
 
-PATIENT = 5  # solves after which edges of stick draw, though the ratios have not settled
 KEEPS = 6  # solves after which the points that stop are those of the best state up to there
 
 
@@ -140,7 +139,7 @@ class AnchorIteration:
         new, change = touch, self._change(touch, old)
         is_known = self._approach.is_uncoupled or np.any(np.isfinite(self._stuck))
         self._solves += 1
-        if self._curves.drawn or not is_known and (change <= settled or self._solves >= PATIENT):
+        if self._curves.drawn or not is_known and change <= settled:
             if self._solves == KEEPS + 1:
                 self._curves.keep(self._best[1].states)
             new = self._curves.draw(after, touch)  # what slides with these ratios does slide

@@ -16,7 +16,7 @@ from analytic.stuck_edge import StuckEdge
 from forms.contact import OPEN
 
 from ..fem.surface_points import SIDES
-from .contact_points import BESIDE, Surface, edge_of_contact, open_points
+from .contact_points import BESIDE, Surface, edge_by_clearance, open_points
 
 # r is measured between two distances from the edge, in units of its motion in the step. The further out, the better a
 # wrong r is seen; the closer, the more it is the edge's own. Without coupling r is the same everywhere.
@@ -56,8 +56,8 @@ class Approach:
             closed = b.clearance - a.clearance
             if np.all(closed > 0):
                 r = (a.s - b.s) / closed
-                way = Advance.of(x, before, after, side)
-                if edge and way.length > 0:  # it is 0 where only one of a node's points has entered
+                way = Advance.of(x, before, after, side, edge.power) if edge else None
+                if way and way.length > 0:  # it is 0 where only one of a node's points has entered
                     distance = side * (x[beyond[first:end]] - way.start)
                     r = edge.turned(r, -side * edge.angle(distance, way.length, way.width))
                 self.ratios[side].improve(float(np.mean(r)))
@@ -72,7 +72,7 @@ class Approach:
         middle = x[contact].mean() if len(contact) else x[np.argmin(before.clearance)]
         r = np.where(x < middle, self.ratios[-1].value, self.ratios[1].value)
         for side in SIDES if edge and np.any(after.states != OPEN) else ():
-            way = Advance.of(x, before, after, side)
+            way = Advance.of(x, before, after, side, edge.power)
             distance = side * (x - way.start)
             passed = (distance > 0) & (distance < way.length)
             if np.any(passed):
@@ -106,10 +106,13 @@ class Advance:
     width: float
 
     @classmethod
-    def of(cls, x, before: Surface, after: Surface, side: int) -> "Advance":
-        """Of points (n,) at x; an edge lies half way from the last node in contact to the next."""
+    def of(cls, x, before: Surface, after: Surface, side: int, power: float) -> "Advance":
+        """Of points (n,) at x; power: of the distance from the edge, with which the clearance grows.
+
+        A load step may move an edge by a few facets only: half a facet more or less would put points out of line.
+        """
         tip = float(x[np.argmin(before.clearance)])  # from where the first contact grows
-        old = before.states if np.any(before.states != OPEN) else None
-        start, far = (tip if old is None else edge_of_contact(x, old, which) for which in (side, -side))
-        end = edge_of_contact(x, after.states, side)
+        is_new = np.all(before.states == OPEN)
+        start, far = (tip if is_new else edge_by_clearance(x, before, which, power) for which in (side, -side))
+        end = edge_by_clearance(x, after, side, power)
         return cls(start, side * (end - start), side * (start - far))

@@ -6,6 +6,7 @@ import numpy as np
 
 from forms.contact import OPEN
 
+NEXT, FURTHER = 1, 3  # open nodes, from 0, through which the edge is sought; the facet that it cuts moves node 0
 BESIDE = 8  # points beside the edge, whose displacement has the error of the facet that it cuts
 
 
@@ -28,6 +29,21 @@ def edge_of_contact(x, states, side: int) -> float:
     last = x[contact[-1] if side > 0 else contact[0]]
     beyond = np.searchsorted(x, last, "right") if side > 0 else np.searchsorted(x, last) - 1
     return float(last + x[np.clip(beyond, 0, len(x) - 1)]) / 2
+
+
+def edge_by_clearance(x, surface: Surface, side: int, power: float) -> float:
+    """The edge of contact within its facet: where the clearance of points beyond, like distance^power, goes to zero.
+
+    Half way from node to node where there are too few of these, or where it does not grow.
+    """
+    beyond = open_points(surface.states, side)
+    distance, first = np.unique(side * x[beyond], return_index=True)
+    root = surface.clearance[beyond[first]] ** (1 / power)
+    if len(first) <= FURTHER or not root[FURTHER] > root[NEXT]:
+        return edge_of_contact(x, surface.states, side)
+    (near, far), (low, high) = distance[[NEXT, FURTHER]], root[[NEXT, FURTHER]]
+    edge = near - low * (far - near) / (high - low)
+    return float(side * np.clip(edge, side * x[beyond[0] - side], distance[0]))
 
 
 def open_points(states: np.ndarray, side: int) -> np.ndarray:

@@ -7,7 +7,7 @@ from analytic import GradedHalfPlane
 from analytic.stuck_edge import StuckEdge
 from forms.contact import BACKWARD, CLOSED, FORWARD, OPEN
 from simulations.loading.approach import Approach, Ratio
-from simulations.loading.contact_points import BESIDE, Surface
+from simulations.loading.contact_points import BESIDE, Surface, edge_by_clearance, edge_of_contact
 from simulations.loading.stopped_points import CUT, OUT, accelerated, anchors_of_stopped, without_kink
 
 X = np.linspace(-1.5, 1.5, 121)
@@ -51,8 +51,10 @@ def test_the_ratio_is_measured_on_points_that_are_open_still():
 
 
 @pytest.mark.parametrize("k, nu", [(0.534, -0.19), (0.0, 0.0), (-0.5, 0.2)])
-def test_ahead_of_a_stuck_edge_open_points_tell_where_those_passed_touched(k, nu):
+def test_ahead_of_a_stuck_edge_open_points_tell_where_those_passed_touched(k, nu, monkeypatch):
     """Rates are complex powers of the distance from the edge, which comes from 0.5 to 0.7 on the right."""
+    halfway = "simulations.loading.approach.edge_by_clearance"
+    monkeypatch.setattr(halfway, lambda x, surface, side, power: edge_of_contact(x, surface.states, side))
     edge, start, end = StuckEdge(GradedHalfPlane(E0=1.0, nu=nu, k=k, y0=1.0)), 0.5125, 0.7125  # half way between nodes
     power = (3 - k) / 2 + 1j * edge.oscillation
     ahead, left = np.maximum(X - start, 0.0), np.maximum(X - end, 0.0)
@@ -69,6 +71,17 @@ def test_ahead_of_a_stuck_edge_open_points_tell_where_those_passed_touched(k, nu
     assert anchors[passed] == pytest.approx(s[passed], rel=1e-9)
     single = approach(*values(found)).anchors(before, after)[passed]
     assert np.any(np.abs(single - s[passed]) > 0.05 * np.abs(s[passed]))
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+@pytest.mark.parametrize("edge", [0.501, 0.51, 0.524])
+def test_an_edge_is_known_within_its_facet(side, edge):
+    """Not to a half of the facet 0.025; where the clearance does not grow, and at the end of the points, it is."""
+    surface = touching(edge)
+    assert edge_by_clearance(X, surface, side, 1.5) == pytest.approx(side * edge, abs=1e-12)
+    surface.clearance[np.abs(X) > 0.55] = 0.0
+    assert edge_by_clearance(X, surface, side, 1.5) == pytest.approx(side * 0.5125)
+    assert edge_by_clearance(X, touching(1.451), side, 1.5) == pytest.approx(side * 1.4625)
 
 
 def test_a_side_that_does_not_grow_keeps_its_ratio():

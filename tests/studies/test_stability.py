@@ -124,13 +124,6 @@ LEADING = {"solid__k": -0.4, "solid__nu": -0.2, "load__mu": 0.4, "load__amplitud
 LEADING |= {"mesh__facet": 0.05, "mesh__edge_facet": 0.003, "mesh__first_layer": 0.004, "mesh__layer_growth": 1.5}
 
 
-def test_anchors_beside_the_old_edge_of_contact_lie_on_a_smooth_curve(whole_steps, monkeypatch):
-    """The facet that the edge had cut has no exact displacements; taken as they are, traction gets a tooth there."""
-    assert zigzags(**LEADING) < checks.ZIGZAGS
-    monkeypatch.setattr(stopped_points, "CUT", 0)
-    assert zigzags(**LEADING) > 2 * checks.ZIGZAGS
-
-
 def test_anchors_settle_that_change_by_little_in_each_solve(monkeypatch):
     assert not any(entry.unsettled for entry in solved(**LEADING).history.entries)
     monkeypatch.setattr(stopped_points, "FASTEST", 0.0)
