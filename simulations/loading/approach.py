@@ -57,7 +57,7 @@ class Approach:
             if np.all(closed > 0):
                 r = (a.s - b.s) / closed
                 way = Advance.of(x, before, after, side, edge.power) if edge else None
-                if way and way.length > 0:  # it is 0 where only one of a node's points has entered
+                if way and way.length > 0:  # it may be 0 where only one of a node's points has entered
                     distance = side * (x[beyond[first:end]] - way.start)
                     r = edge.turned(r, -side * edge.angle(distance, way.length, way.width))
                 self.ratios[side].improve(float(np.mean(r)))

@@ -36,7 +36,7 @@ def edge_by_clearance(x, surface: Surface, side: int, power: float) -> float:
 
     Half way from node to node where there are too few of these, or where it does not grow.
     """
-    beyond = open_points(surface.states, side)
+    beyond = open_points(surface.states, side)[: 2 * (FURTHER + 1)]  # two at a node, at most
     distance, first = np.unique(side * x[beyond], return_index=True)
     root = surface.clearance[beyond[first]] ** (1 / power)
     if len(first) <= FURTHER or not root[FURTHER] > root[NEXT]:

@@ -276,7 +276,7 @@ class LoadStepping:
         """Of the surface points; without coupling from the frictionless problem, whose state is held."""
         if not self._is_uncoupled:
             return self.problem.terms.clearance.values()
-        return self._clearance_at(self.problem.held.state.x.array, self.body.delta.value.copy())
+        return self._clearance_at(self.problem.held.state.x.array, self.body.delta.value)
 
     def _first_clearance(self):
         """The indenter's height above the surface points: their clearance before the first contact."""
