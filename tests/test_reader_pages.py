@@ -65,7 +65,7 @@ def test_every_command_runs(page, tmp_path, monkeypatch):
         assert done.returncode == 0, (command, done.stderr)
     assert all((tmp_path / name).stat().st_size > 100 for name in MADE[page])
     for code in blocks(page, "python"):
-        exec(compile(code, page, "exec"), {"QUICK": COARSE})
+        exec(compile(code, page, "exec"), {})
 
 
 @pytest.mark.slow

@@ -186,7 +186,7 @@ media = st.builds(
 )
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     media,
     st.floats(1e-3, 1e3),

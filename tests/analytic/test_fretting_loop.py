@@ -203,7 +203,7 @@ def test_nearly_sliding_loop(k):
     assert relative_error(loop.active_half_width(Q, "unloading"), d) < RTOL
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(
     st.one_of(st.floats(-0.99, 0.99), st.sampled_from(EXPONENTS)),
     st.floats(-0.9, 0.5),

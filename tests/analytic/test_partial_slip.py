@@ -259,7 +259,7 @@ def test_inadmissible_load(arguments, message):
         contact_of(0.2).partial_slip(**arguments)
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(
     st.one_of(st.floats(-0.99, 0.99), st.sampled_from(EXPONENTS)),
     st.floats(-0.9, 0.5),

@@ -133,7 +133,7 @@ def test_without_strain_it_is_the_loop(k):
     assert 4 * stretched.amplitude.work == pytest.approx(loop.dissipated_energy, rel=RTOL)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(st.floats(-0.95, 0.95), st.floats(1e-6, 1 - 1e-6), st.floats(-1, 1), st.floats(-1, 1))
 @example(5e-324, 0.75, 0.0, 0.0)
 def test_strained_properties(k, load, share, Q):

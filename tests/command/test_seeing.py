@@ -11,6 +11,7 @@ import pytest
 from petsc4py import PETSc
 from running import coarse_arguments, run_command, start_python
 
+from simulations import __version__
 from simulations.command import command, progress
 from simulations.command.arguments import set_petsc_options
 from simulations.runs.reference import expected_seconds
@@ -159,6 +160,6 @@ def test_results_are_printed_without_a_reference(tmp_path):
 
 
 def test_version_and_commands():
-    assert run_command("--version").stdout == "graded-fretting 0.1.0\n"
+    assert run_command("--version").stdout == f"graded-fretting {__version__}\n"
     done = run_command(module="simulations")
     assert done.returncode == 0 and "fretting [SCENE.toml]" in done.stdout and "report DIR" in done.stdout

@@ -43,10 +43,6 @@ def path_scene(effects):
     return solid + "load.points = [[1e6, 0], [1e6, 1e5], [8e5, 1e5], [8e5, -1e5]]\n" + effects + "\n"
 
 
-class Killed(BaseException):
-    """The process is gone: nothing that would tidy up is run after it."""
-
-
 def snapshots_of(arguments, folder, monkeypatch, tmp_path, main=fretting.main):
     """Run to the end, with a copy of the folder from each moment just before and after a file takes its place."""
     taken: list[Path] = []

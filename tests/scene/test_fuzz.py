@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from simulations.scene import DEFAULT_SCENE, Scene, SceneError, language, parse
 
-QUICK = settings(max_examples=150, deadline=5000, suppress_health_check=list(HealthCheck), derandomize=True)
+QUICK = settings(max_examples=150, deadline=5000, suppress_health_check=list(HealthCheck))
 KEYS = sorted(language())
 WORDS = ["holl", "auto", "power law", "homogeneous", "power-law coating", "linear", "exponential", "parabola", "circle"]
 WORDS += ["power", "rounded flat", "formula", "x**2", "x**4/R**3", "cosh(x/R) - 1", "x +", "full", "none", "half-plane"]
