@@ -1,5 +1,7 @@
 """Nodes of the mesh lie where they are meant to be, to the last digit."""
 
+from dataclasses import replace
+
 import gmsh
 import numpy as np
 import pytest
@@ -23,6 +25,28 @@ def test_symmetric_edges_give_a_mesh_that_is_its_own_mirror_image(edges):
 def test_edges_that_are_not_symmetric_stay_where_they_are():
     x = columns(Grading((-1.0, 1.0 + 1e-6), edge_facet=1e-3, extent=100.0))
     assert 1e-8 < np.abs(x + x[::-1]).max() < 1e-4
+
+
+@pytest.mark.parametrize("at", [0.0, 0.3, 0.5])
+def test_edges_are_placed_in_their_facets(at):
+    """On a symmetric mesh, both edges on both sides; an edge too close to another stays where it falls."""
+    grading = Grading((-1.0, -0.999, -0.3, 0.3, 0.999, 1.0), edge_at=at)
+    x = columns(grading)
+    assert x == pytest.approx(-x[::-1], abs=1e-11)
+    for edge in (0.3, 1.0):
+        last = np.searchsorted(x, edge * (1 - 1e-12)) - 1
+        place = (edge - x[last]) / (x[last + 1] - x[last])
+        assert place % 1.0 == pytest.approx(at, abs=0.02) or (at == 0.0 and place == pytest.approx(1.0))
+    assert len(x) == len(columns(replace(grading, edge_at=-1.0)))
+
+
+def test_facets_beside_many_stops_are_the_least_of_all_their_cones():
+    """Against each stop by itself."""
+    random = np.random.default_rng(1)
+    stops = tuple((place, place, size) for place, size in random.uniform([-1, 1e-4], [1, 1e-2], (50, 2)))
+    x = random.uniform(-2, 2, 300)
+    each = [Grading((1.0,), sweeps=(stop,)).facet_size(x) for stop in stops]
+    assert Grading((1.0,), sweeps=stops).facet_size(x) == pytest.approx(np.min(each, axis=0), rel=1e-12)
 
 
 def refuse(*_):

@@ -7,7 +7,7 @@ from mpi4py import MPI
 from analytic import CoupledLoop
 from analytic.coupled.state import CoupledState
 from simulations.fem.edge_place import vanishing_place
-from simulations.fem.mesh import Grading, columns
+from simulations.fem.mesh import columns
 from simulations.fem.surface import SurfaceState, fitted_contact_edges, fitted_stick_edges
 from simulations.runs import coupled_loop
 from simulations.runs.checks import largest_zigzag
@@ -141,15 +141,6 @@ def test_edges_are_read_with_the_powers_that_coupling_gives():
             off.append(np.abs(np.subtract((*contact, *stick), exact)))
         middle.append(np.median(off))
     assert 10 * middle[0] < middle[1] and middle[0] < 2e-4
-
-
-def test_facets_beside_many_stops_are_the_least_of_all_their_cones():
-    """Against each stop by itself."""
-    random = np.random.default_rng(1)
-    stops = tuple((place, place, size) for place, size in random.uniform([-1, 1e-4], [1, 1e-2], (50, 2)))
-    x = random.uniform(-2, 2, 300)
-    each = [Grading((1.0,), sweeps=(stop,)).facet_size(x) for stop in stops]
-    assert Grading((1.0,), sweeps=stops).facet_size(x) == pytest.approx(np.min(each, axis=0), rel=1e-12)
 
 
 @pytest.mark.parametrize("coupling", [False, True])

@@ -1,13 +1,11 @@
 """Properties of a solved loop that need no fine mesh."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from solving import coarse_simulation, deviations, solved
 
 from analytic import CylinderContact
-from simulations.fem.mesh import Grading, columns
+from simulations.fem.mesh import Grading
 from simulations.runs.comparison import relative_l2
 from simulations.scene import DEFAULT_SCENE, parse
 from simulations.scene.scaling import Scales
@@ -134,19 +132,6 @@ def test_units(condensed, factor):
     )
     energy = units.energy * stress * length**2 * condensed.history.dissipated_energy
     assert others.energy * other.history.dissipated_energy == pytest.approx(energy, rel=1e-8)
-
-
-@pytest.mark.parametrize("at", [0.0, 0.3, 0.5])
-def test_edges_are_placed_in_their_facets(at):
-    """On a symmetric mesh, both edges on both sides; an edge too close to another stays where it falls."""
-    grading = Grading((-1.0, -0.999, -0.3, 0.3, 0.999, 1.0), edge_at=at)
-    x = columns(grading)
-    assert x == pytest.approx(-x[::-1], abs=1e-11)
-    for edge in (0.3, 1.0):
-        last = np.searchsorted(x, edge * (1 - 1e-12)) - 1
-        place = (edge - x[last]) / (x[last + 1] - x[last])
-        assert place % 1.0 == pytest.approx(at, abs=0.02) or (at == 0.0 and place == pytest.approx(1.0))
-    assert len(x) == len(columns(replace(grading, edge_at=-1.0)))
 
 
 def test_edges_are_read_off_the_solution():

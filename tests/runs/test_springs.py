@@ -5,10 +5,12 @@ from mpi4py import MPI
 from solving import coarse_simulation
 
 from simulations.runs.closed_forms import Springs
-from simulations.runs.comparison import compare_state, worst
-from simulations.runs.reference import closed_form
+from simulations.runs.comparison import apart, compare_state, numbers, own_errors, worst
+from simulations.runs.mesh_free import steps_for_one
+from simulations.runs.reference import closed_form, of_same_physics
+from simulations.runs.report_data import compared, quantities
 from simulations.runs.simulation import Simulation
-from simulations.scene import DEFAULT_SCENE, parse
+from simulations.scene import DEFAULT_SCENE, make_scene, parse
 
 UNCOUPLED = {"effects__coupling": "false", "solid__nu": 0.3}
 
@@ -88,3 +90,23 @@ points = [[6e5, 0], [9.6e5, -1e5], [5e4, -2.4e3], [9.4e5, 2.3e5], [9.9e5, -1.8e5
     simulation = coarse_simulation(scene, effects__coupling="false", **sizes).run_to_end()
     for entry in simulation.history.entries:
         assert entry.contact[0] <= entry.stick[0] < entry.stick[1] <= entry.contact[1]
+
+
+def test_error_of_the_reference_is_stated():
+    """P grows under Q at the Holl ratio, where springs are exact: the half-plane solver's steps cost q most, c 2 %."""
+    values = {"solid.E0": 210e9, "solid.k": 0.3, "solid.nu": "holl", "solid.y0_over_a0": 10.0, "indenter.R": 0.1}
+    path = {"load.mu": 0.3, "load.points": [[2.5e5, 0.0], [1e6, 1.2e5]], "reference.kind": "half-plane"}
+    mesh = {"mesh.facet": 0.2, "mesh.edge_facet": 0.02, "mesh.first_layer": 0.02, "solver.increments": 1}
+    simulation = Simulation(MPI.COMM_SELF, make_scene(values | mesh | path, base=None)).run_to_end()
+    reference, exact, last = of_same_physics(simulation), closed_form(simulation), simulation.history.entries[-1]
+    own, true = apart(last, reference.coarser, reference), apart(last, reference, exact)
+    assert steps_for_one(simulation) == 8
+    assert 0.5 < own["traction_l2"] / true["traction_l2"] < 3.0
+    assert compare_state(last, reference)["traction_l2"] > own["traction_l2"] > 0.01
+    c, own_c = numbers(last, reference)["c"], own_errors(simulation.history, reference)["c"]
+    assert 0.01 < own_c and 0.5 < own_c / abs(c / numbers(last, exact)["c"] - 1) < 3.0
+    found = compared(simulation, reference)
+    assert found.deviations["c"] == pytest.approx(last.c / c - 1 + own_c) and last.c > c
+    for name in ("a", "peak_pressure", "c_over_a"):
+        mine = quantities(simulation)[name] / found.values[name] - 1
+        assert abs(found.deviations[name]) > abs(mine)
