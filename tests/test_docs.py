@@ -10,6 +10,8 @@ from running import ROOT, coarse_arguments
 from forms import contact, elasticity, weak_form
 from simulations import fretting
 
+PAGES = (ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md")))
+
 
 def rows(path, columns):
     """Rows of the tables of a document that have so many columns, without their heads."""
@@ -45,8 +47,6 @@ def test_the_forms_named_are_there():
     assert len(named) >= 12
     for module, name in named:
         assert hasattr(modules[module], name), name
-    for path in re.findall(r"`((?:forms|simulations|analytic)/\w+\.py)`", text):
-        assert (ROOT / path).exists(), path
 
 
 def test_the_weak_form_has_the_numbers_of_the_document():
@@ -62,10 +62,20 @@ def test_the_weak_form_has_the_numbers_of_the_document():
             assert any(name in text for text in near), (number, name)
 
 
-def test_links_lead_somewhere():
-    for page in (ROOT / "README.md", ROOT / "CONTRIBUTING.md", *(ROOT / "docs").glob("*.md")):
-        for target in re.findall(r"\]\(([^)#:]+)\)", page.read_text()):
-            assert (page.parent / target).exists(), (page.name, target)
+def anchors(text):
+    """Those of the headings of a page."""
+    return {re.sub(r"[^\w -]", "", head).lower().replace(" ", "-") for head in re.findall(r"^#+ (.*)$", text, re.M)}
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_links_lead_somewhere(page):
+    """To a file and a heading of it; and files that are named in the text are there."""
+    text = page.read_text()
+    for target, anchor in re.findall(r"\]\(([^)#:]*)#?([^):]*)\)", text):
+        linked = page.parent / target if target else page
+        assert linked.exists() and (not anchor or anchor in anchors(linked.read_text())), (target, anchor)
+    for path in re.findall(r"`((?:forms|simulations|analytic|tests|docs|docker|examples|scenes)/[\w/.-]+)`", text):
+        assert (ROOT / path).exists(), path
 
 
 def test_ci_runs_the_tests_as_the_readme_says():
