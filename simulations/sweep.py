@@ -44,8 +44,7 @@ def main(arguments: list[str]):
 
 def read(arguments: list[str]) -> Namespace:
     """The checked command line with ``cases`` and ``items``; SceneError where anything is wrong."""
-    program = "python -m simulations.sweep"
-    parser = Parser(prog=program, description=__doc__)
+    parser = Parser(prog="python -m simulations.sweep", description=__doc__)
     parser.add_argument("scene", nargs="?", type=Path, help="scene file (TOML); without one, the default scene")
     parser.add_argument(
         "--vary",
@@ -56,9 +55,7 @@ def read(arguments: list[str]) -> Namespace:
     )
     parser.add_argument("--csv-in", type=Path, metavar="FILE", help="scenes from a table whose columns are keys")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="change a key of all scenes")
-    parser.add_argument(
-        "--output", type=Path, metavar="DIR", help="folder (default: results/sweep-SCENE)"
-    )
+    parser.add_argument("--output", type=Path, metavar="DIR", help="folder (default: results/sweep-SCENE)")
     parser.add_argument("--folders", action="store_true", help="also the results folder of every scene")
     parser.add_argument("--overwrite", action="store_true", help="replace another sweep in the folder")
     parser.add_argument("--quiet", action="store_true", help="say nothing but warnings and errors")

@@ -12,8 +12,7 @@ from .store import Store
 
 def study_parser(name: str, description: str | None, output: str | None = None, page: str | None = None) -> Parser:
     """Parser of ``python -m simulations.studies.NAME``. output: default folder; page: what its page holds."""
-    program = f"python -m simulations.studies.{name}"
-    parser = Parser(prog=program, description=description)
+    parser = Parser(prog=f"python -m simulations.studies.{name}", description=description)
     if output is not None:
         parser.add_argument(
             "--output", type=Path, default=Path(output), metavar="DIR", help=f"folder for results (default: {output})"

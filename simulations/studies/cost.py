@@ -138,7 +138,7 @@ def calibrate(rows: list[dict]):
 
 
 def _number(name: str, text: str):
-    return text or "" if name in TEXTS or not text else float(text)
+    return text if name in TEXTS or not text else float(text)
 
 
 def write_rows(path: Path, rows: list[Row]):

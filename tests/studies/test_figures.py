@@ -68,7 +68,7 @@ def test_lines_drawn_are_the_curves_and_points_are_the_run(runs):
     curve, points = axis.lines[0], axis.lines[1]
     x = curve.get_xdata()
     assert curve.get_ydata() == pytest.approx(distributions.curve(0.5, 0.1, SHARES[0], "traction", x), abs=1e-14)
-    field, normal = runs.monotone(0.5, NU, SHARES, coupling=False)[SHARES[0]], contact(0.5, 0.1)
+    field, normal = runs.monotone(0.5, NU, SHARES)[SHARES[0]], contact(0.5, 0.1)
     farthest = next(d.at for d in found if d.panel == "b")
     shown = field.drawn(farthest)
     assert farthest in shown

@@ -6,7 +6,7 @@ import numpy as np
 
 from analytic import GradedHalfPlane
 
-from ...output.style import BLACK, BLUE, COLOURS, MARKERS, PURPLE, RED, panels
+from ...output.style import BLACK, BLUE, COLOURS, MARKERS, RED, panels
 from .elements import Deviation, Runs, closed_field, convert
 from .setting import AMPLITUDE, MU, STATES, contact, homogeneous_units, own_units
 
@@ -114,14 +114,13 @@ def traction_panel(axis, runs: Runs, panel: str, pair: Pair):
     farthest = {}
     for i, (state, (share, branch)) in enumerate(STATES.items()):
         at = {"Q": share * loop.Q_A, "branch": branch}
-        colour = (BLUE, COLOURS[1], COLOURS[2], PURPLE, RED)[i]
-        axis.plot(x, loop.traction(x, **at) / units.traction, color=colour)
+        axis.plot(x, loop.traction(x, **at) / units.traction, color=COLOURS[i])
         field, exact = computed[state], pair.is_decoupled
         traction, place = convert(field.traction, own, units, "traction"), convert(field.x, own, units, "length")
         closed = closed_field(normal, loop, field.x, **at)["traction"]
         found = Deviation.of(panel, f"{pair.name}, {state}", "traction", exact, field.weight, field.traction, closed)
         drawn, label = field.drawn(found.at), f"{state}: " + LOADS[state]
-        axis.plot(place[drawn], traction[drawn], MARKERS[i], ms=4, color=colour, label=label)
+        axis.plot(place[drawn], traction[drawn], MARKERS[i], ms=4, color=COLOURS[i], label=label)
         farthest[found] = place[found.at], traction[found.at]
     worst = max(farthest, key=lambda found: found.largest)
     axis.plot(*farthest[worst], "o", label=f"{worst.kind} {100 * worst.largest:.2g} %", **RING)

@@ -45,7 +45,7 @@ def _panel(axis, runs, panel, k, y0_over_a0, quantity):
     reach = 1.15 * normal.a
     x = np.unique(np.concatenate([np.linspace(-reach, reach, 801), normal.a * (1 - np.geomspace(1e-8, 0.1, 60))]))
     deviations = []
-    for share, field in runs.monotone(k, NU, SHARES, coupling=False).items():
+    for share, field in runs.monotone(k, NU, SHARES).items():
         i = SHARES.index(share)
         axis.plot(x, curve(k, y0_over_a0, share, quantity, x), color=COLOURS[i])
         computed = convert(getattr(field, quantity), own, units, quantity)

@@ -81,11 +81,11 @@ class Runs:
         self.comm, self.overrides = comm, overrides or {}
         self._kept: dict = {}
 
-    def monotone(self, k: float, nu: float, shares: tuple[float, ...], coupling: bool) -> dict[float, Field]:
-        """Fields at Q = share mu P, evenly spaced shares, of one monotone loading."""
-        key = ("monotone", k, nu, shares, coupling)
+    def monotone(self, k: float, nu: float, shares: tuple[float, ...]) -> dict[float, Field]:
+        """Fields at Q = share mu P, evenly spaced shares, of one monotone loading without coupling."""
+        key = ("monotone", k, nu, shares)
         if key not in self._kept:
-            scene = self._scene(k, nu, shares[-1], coupling, cycles=0, increments=len(shares))
+            scene = self._scene(k, nu, shares[-1], coupling=False, cycles=0, increments=len(shares))
             simulation = Simulation(self.comm, scene, self._cells(scene, shares)).run_to_end()
             loaded = [e for e in simulation.history.entries if e.step.branch == "initial"]
             fields = [_field(entry, simulation) for entry in loaded]
