@@ -1,4 +1,4 @@
-"""A short run, and whether one that was interrupted ended as if nothing had happened."""
+"""A short run, what is refused, and whether a run that was interrupted ended as if nothing had happened."""
 
 import csv
 import json
@@ -9,12 +9,23 @@ import numpy as np
 import pandas
 import pytest
 
+from simulations import fretting
+from simulations.scene import SceneError
+
 RUN = {"solid__nu": 0.3, "reference__kind": '"none"'}  # changes of the coarse scene
 SAME = 1e-10  # relative to the largest value: what an interruption may change
 QUANTITIES = ("pressure", "gap", "traction", "slip", "frictional_work", "frictional_work_of_cycle")
 QUANTITIES += ("load_parameter", "P_prescribed", "P_carried", "Q_prescribed", "Q_carried")
 COLUMNS = ("load_parameter", "P_prescribed[N/m]", "P_carried[N/m]", "delta_y[m]", "a[m]", "contact_left[m]")
 COLUMNS += ("peak_pressure[Pa]", "Q_prescribed[N/m]", "delta_x[m]", "c[m]", "stick_left[m]", "dissipated_energy[J/m]")
+
+
+def refusal(*arguments) -> str:
+    """The line about a command that is refused."""
+    with pytest.raises(SceneError) as error:
+        fretting.main([str(word) for word in arguments])
+    assert "\n" not in str(error.value)
+    return str(error.value)
 
 
 def surface(folder):

@@ -5,10 +5,10 @@ import re
 import shutil
 
 import pytest
-from restarting import RUN, history
+from restarting import RUN, history, refusal
 from running import coarse_arguments, contents
 
-from simulations import fretting, report
+from simulations import __version__, fretting, report
 from simulations.runs.checks import ChecksFailed
 from simulations.scene import SceneError
 
@@ -27,13 +27,6 @@ def stopped(uninterrupted, tmp_path, monkeypatch):
         fretting.main(coarse_arguments(folder, **RUN))
     monkeypatch.undo()
     return folder
-
-
-def refusal(*arguments):
-    with pytest.raises(SceneError) as error:
-        fretting.main([str(word) for word in arguments])
-    assert "\n" not in str(error.value)
-    return str(error.value)
 
 
 def test_other_keys_are_refused(stopped):
@@ -116,7 +109,7 @@ def test_a_run_whose_fields_are_gone_is_refused(stopped, monkeypatch, name):
 
 def test_the_checkpoint_of_another_version_is_refused(stopped, monkeypatch):
     monkeypatch.setattr("simulations.output.checkpoint.__version__", "9.9.9")
-    assert "graded-fretting 0.1.0 made it, and this is 9.9.9" in refusal("--resume", stopped)
+    assert f"graded-fretting {__version__} made it, and this is 9.9.9" in refusal("--resume", stopped)
 
 
 def test_what_a_resumed_run_reports_of_earlier_increments(stopped, uninterrupted):

@@ -2,10 +2,11 @@
 
 import json
 import shutil
+from pathlib import Path
 
 import pytest
 from coarse_sweep import COARSE_SETS, arguments, rows_of
-from running import coarse_arguments
+from running import coarse_arguments, contents
 
 import simulations.sweep as command
 from simulations import SceneError, fretting
@@ -29,10 +30,6 @@ def swept(tmp_path_factory):
     folder = tmp_path_factory.mktemp("sweep")
     run(folder, "0.2,0.25", "--folders")
     return folder
-
-
-def contents(folder):
-    return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file() and path.name != "run.lock"}
 
 
 @pytest.mark.parametrize("values, more", [("0.5,0.6", ["--folders"]), ("0.2,0.25", []), ("0.25,0.2", ["--folders"])])
@@ -118,7 +115,7 @@ def test_what_overwrite_replaces(tmp_path):
     assert [read_scene(tmp_path / f"run-000{n}").mu for n in (1, 2)] == [0.5, 0.6]
     run(tmp_path, "0.7", "--overwrite")
     assert friction_of(tmp_path) == [0.7] and len((tmp_path / "sweep.jsonl").read_text().splitlines()) == 1
-    assert contents(tmp_path / "run-0002") == {tmp_path / "run-0002" / "notes.txt": b"mine"}
+    assert contents(tmp_path / "run-0002") == {Path("notes.txt"): b"mine"}
     assert not (tmp_path / "run-0001").exists() and run_folder.is_whole(single)
 
 
@@ -136,7 +133,7 @@ def test_what_no_sweep_wrote_is_not_replaced(tmp_path, name, text, said):
     for more in ([], ["--overwrite"]):
         with pytest.raises(SceneError, match=f"it holds {said}; choose another folder"):
             run(tmp_path, "0.5", *more)
-    assert contents(tmp_path) == {tmp_path / name: text.encode()}
+    assert contents(tmp_path) == {Path(name): text.encode()}
 
 
 @pytest.mark.parametrize("more", [(), ("--overwrite",)])
