@@ -45,7 +45,7 @@ def test_against_the_closed_form():
     assert found["traction_l2"] < 1e-2 and abs(found["dissipated_energy"]) < 1e-2 and abs(found["c"]) < 1e-2
     assert worst_defect(meter.steps) < 1e-7
     last, loop = simulation.history.entries[-1], simulation.stretched
-    assert np.mean(last.stick) == pytest.approx(loop.shift, abs=1e-2)
+    assert np.mean(last.stick) == pytest.approx(loop.shift, abs=2e-3)
     stuck = np.abs(last.surface.x - loop.shift) < 0.7 * loop.c
     assert np.abs(last.slip[stuck]).max() < 1e-3 * np.abs(last.slip).max()
     x, y = np.meshgrid(np.linspace(-2, 2, 41), [0.1, 0.3])
@@ -60,10 +60,10 @@ def test_ghent_rig():
     simulation = solved(GHENT, load__cycles=0, mesh__edge_facet=0.005)
     last, a = simulation.history.entries[-1], simulation.scene.half_width
     assert a == pytest.approx(0.2067e-3, rel=3e-4)
-    assert last.surface.pressure.max() * simulation.scaled.scales.stress == pytest.approx(418.1e6, rel=2e-3)
+    assert last.surface.pressure.max() * simulation.scaled.scales.stress == pytest.approx(418.1e6, rel=3e-4)
     left, right = last.stick
-    assert (right - left) / 2 == pytest.approx(0.2202, abs=3e-3)
-    assert (right + left) / 2 == pytest.approx(0.1993, abs=3e-3)
+    assert (right - left) / 2 == pytest.approx(0.2202, abs=2e-4)
+    assert (right + left) / 2 == pytest.approx(0.1993, abs=3e-4)
 
 
 @pytest.mark.slow

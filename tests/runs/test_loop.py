@@ -180,7 +180,7 @@ def test_domain_of_20_a_is_large_enough():
 def test_indentation_matches_closed_form(condensed):
     """(46): with the far field of the load prescribed, even the absolute displacement is right."""
     indentation = condensed.history.entries[-1].surface.delta[1]
-    assert indentation == pytest.approx(condensed.loop.contact.indentation, rel=1e-3)
+    assert indentation == pytest.approx(condensed.loop.contact.indentation, rel=2e-4)
 
 
 def test_scales_reproduce_the_closed_form_in_si():
