@@ -19,7 +19,7 @@ COMMANDS = {  # name: module, its arguments, what it does
     "coupling": ("studies.coupling", "", "what coupling changes"),
     "coupled_loops": ("studies.coupled_loops", "", "the reference of coupled loops and its own error"),
     "critical_friction": ("studies.critical_friction", "", "friction above which slip is not unique"),
-    "figures": ("studies.figures", "NAME", "the paper's figures"),
+    "figures": ("studies.figures", "[NUMBER ...]", "the paper's figures"),
     "maps": ("studies.maps", "", "which grading loses least energy"),
     "stability": ("studies.stability", "", "hard cases"),
     "campaign": ("studies.campaign", "", "stated beside true errors of random scenes"),
