@@ -19,6 +19,7 @@ GREY = "0.35"
 FONTS = {
     "font.size": 11,
     "axes.titlesize": 11,
+    "axes.prop_cycle": plt.cycler(color=COLOURS),
     "legend.fontsize": 9.5,
     "legend.frameon": False,
     "mathtext.fontset": "dejavusans",
@@ -79,7 +80,7 @@ def left_out(shown: int, states: int) -> str:
 
 @contextmanager
 def style():
-    """Within it figures have the fonts and lines of this project."""
+    """Within it figures have the fonts, lines and colours of this project."""
     with plt.rc_context(FONTS):
         yield
 

@@ -119,14 +119,8 @@ def _picture(rows):
             outcome = case["outcome"]
             left.plot(number + 1, place, markers[outcome], color=COLOURS[outcome], ms=6)
             if "iterations" in case:
-                right.plot(
-                    case["iterations"] / case["increments"],
-                    place,
-                    markers[outcome],
-                    color=COLOURS[outcome],
-                    ms=5,
-                    alpha=0.6,
-                )
+                mean = case["iterations"] / case["increments"]
+                right.plot(mean, place, markers[outcome], color=COLOURS[outcome], ms=5, alpha=0.6)
     for outcome, marker in markers.items():
         count = sum(row["outcome"] == outcome for row in rows)
         left.plot(np.nan, np.nan, marker, color=COLOURS[outcome], label=f"{MEANING[outcome]}: {count}")

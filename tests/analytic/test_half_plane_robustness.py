@@ -5,7 +5,7 @@ import pytest
 
 from analytic import GradedHalfPlane, PowerProfile
 from analytic.half_plane.interpolation import linear
-from analytic.half_plane.linear import ContactSets, Data, LinearProblems, _Base
+from analytic.half_plane.linear import ContactNotConverged, ContactSets, Data, LinearProblems, _Base
 from analytic.half_plane.operator import SurfaceOperator
 from analytic.half_plane.solver import PASSES, HalfPlaneContact
 from analytic.half_plane.surface_kernel import PowerLawKernel
@@ -87,8 +87,6 @@ def test_any_amplitude(k, nu, amplitude):
 
 def test_path_is_taken_in_halves_if_a_step_fails(monkeypatch):
     """A step that fails is halved, and the states returned are those asked for."""
-    from analytic.half_plane.linear import ContactNotConverged
-
     steps, advance = [], HalfPlaneContact._advance
 
     def reluctant(self, memory, load, normal_stage):
