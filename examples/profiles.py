@@ -17,7 +17,9 @@ PROFILES = {
 GRADINGS = {"k = 0": 0.0, "k = 0.3": 0.3}
 # a coarse mesh and few increments: about a per cent, a second a run
 QUICK = {"mesh.facet": 0.05, "mesh.edge_facet": 0.01, "mesh.growth": 1.5, "mesh.first_layer": 0.01}
-COMMON = {"effects.coupling": False, "load.amplitude": 0.7, "solver.increments": 2}
+# y0 in metres: 10 a0, as in the default scene, would be another solid under each profile
+COMMON = {"solid.y0": 7.5e-3, "effects.coupling": False, "load.amplitude": 0.7, "solver.increments": 2}
+STYLES = {"parabola": "-", "x^4": ".-", "cosh": "."}  # the last lies on the first
 
 
 def results() -> dict[tuple[str, str], Result]:
@@ -35,7 +37,7 @@ def main(picture: str = "profiles.png"):
     for (profile, grading), result in results().items():
         print(f"{profile:10s} {grading:8s} a = {1e3 * result.a:.3f} mm   {result.dissipated_energy:.4f} J/m a cycle")
         axis = axes[list(GRADINGS).index(grading)]
-        axis.plot(1e3 * result.x, 1e-6 * result.traction[-1], ".-", label=profile)
+        axis.plot(1e3 * result.x, 1e-6 * result.traction[-1], STYLES[profile], label=profile)
         axis.set(title=grading, xlabel="position x [mm]")
     axes[0].set_ylabel("traction q [MPa]")
     axes[0].legend()

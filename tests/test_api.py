@@ -175,6 +175,8 @@ def test_nothing_but_scene_errors(changes):
 def test_the_example(tmp_path, capsys, monkeypatch):
     """A flatter profile makes the contact wider; a hyperbolic cosine is a parabola near its tip."""
     example = runpy.run_path(str(ROOT / "examples" / "profiles.py"))
+    scenes = [make_scene(example["COMMON"] | keys | {"solid.k": 0.3}) for keys in example["PROFILES"].values()]
+    assert len({scene.solid for scene in scenes}) == 1, "profiles on different solids are not compared"
     example["main"](str(tmp_path / "picture.png"))
     assert (tmp_path / "picture.png").read_bytes().startswith(b"\x89PNG")
     lines = capsys.readouterr().out.splitlines()
