@@ -11,6 +11,7 @@ from typing import Any
 from .errors import SceneError, one_line, shown
 
 LARGEST_FILE = 10_000_000  # bytes of a file
+NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"  # .5 and 1. too, which TOML does not know
 
 
 def read_text(path: Path, what: str) -> str:
@@ -45,11 +46,11 @@ def _quoted(text: str, message: str) -> str:
 
 
 def read_value(text: str):
-    """A value as TOML reads it; a bare word is a text."""
+    """A value as TOML reads it, or a number as most programs write it; any other bare word is a text."""
     try:
         document = tomllib.loads(f"value = {text}")
     except (ValueError, RecursionError):
-        return text
+        return float(text) if re.fullmatch(NUMBER, text) else text
     return document["value"] if len(document) == 1 else text
 
 

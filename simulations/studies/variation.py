@@ -13,11 +13,10 @@ import numpy as np
 from ..scene import Scene, SceneError, parse, shown
 from ..scene.errors import one_line
 from ..scene.reading import text_of
-from ..scene.text import flatten, read_keys, read_text, read_value, written
+from ..scene.text import NUMBER, flatten, read_keys, read_text, read_value, written
 
 Changes = dict[str, Any]  # keys of a scene and their values
 MOST = 100_000  # scenes of a sweep
-NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 RANGE = re.compile(rf"({NUMBER}):({NUMBER}):(\d+)")
 TOKEN = re.compile(r'''(?<!\w)(?:"(?:\\.|[^"\\])*"|'[^']*')|.''', re.DOTALL)  # a text in quotes, or one character
 

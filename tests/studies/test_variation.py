@@ -97,6 +97,7 @@ def test_values_of_a_key():
     assert read_vary(["a=Bob's, 'x, ]', Ann's"]) == {"a": ["Bob's", "x, ]", "Ann's"]}
     assert read_vary(["a=0.1]\nb = [0.2"]) == {"a": ["0.1]\nb = [0.2"]}
     assert read_vary(["a=true,false"]) == {"a": [True, False]}
+    assert read_vary(["a=.1,1.,5.E-3,-.2,0.5.1"]) == {"a": [0.1, 1.0, 0.005, -0.2, "0.5.1"]}
     assert read_vary(["a=[[1, 0], [2, 0.5]]"]) == {"a": [[[1, 0], [2, 0.5]]]}
     pairs = [(1, 3), (1, 4), (2, 3), (2, 4)]
     assert product({"a": [1, 2], "b": [3, 4]}) == [{"a": a, "b": b} for a, b in pairs]
