@@ -15,6 +15,7 @@ import threading
 import time
 from collections.abc import Callable
 from contextlib import suppress
+from io import TextIOWrapper
 from pathlib import Path
 
 STOPPING = ("SIGINT", "SIGTERM", "SIGHUP", "SIGXCPU", "SIGUSR1")  # the last two: batch systems near their time limit
@@ -48,6 +49,8 @@ class Stopping:
             for name in ("stdin", "stdout", "stderr"):
                 if getattr(sys, name) is None:  # closed: the next file to be opened would get what is printed
                     setattr(sys, name, open(os.devnull, "r+", encoding="utf-8"))
+            if isinstance(sys.stdout, TextIOWrapper):  # a title may have letters that the terminal's encoding has not
+                sys.stdout.reconfigure(errors="replace")
             ranks = (os.environ.get(name) for name in RANK)
             self.listen(next((rank for rank in ranks if rank), "0") == "0")
 

@@ -62,6 +62,13 @@ def test_quiet(tmp_path):
     assert (tmp_path / "summary.json").exists()
 
 
+def test_a_title_that_the_terminal_cannot_show(tmp_path, monkeypatch):
+    monkeypatch.setenv("PYTHONIOENCODING", "latin-1")
+    done = run_command(*coarse_arguments(tmp_path, title='"μ → 0.3"', load__cycles=0))
+    assert done.returncode == 0, done.stderr
+    assert "? ? 0.3: " in done.stdout
+
+
 def test_on_a_terminal_one_line_is_written_over(tmp_path):
     leader, follower = pty.openpty()
     process = start_python("-m", "simulations.fretting", *coarse_arguments(tmp_path), stdout=follower)
