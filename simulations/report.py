@@ -65,7 +65,7 @@ def page(folder: Path) -> str:
             rows = list(csv.DictReader(file))
         scene = (folder / "scene.toml").read_text(encoding="utf-8")
         words = asked(parse(scene, name=f"scene {shown(folder / 'scene.toml')}"))
-        title = summary["title"] or folder.name
+        title = summary["title"] or folder.resolve().name  # also of "."
         parts = [_verdict(summary), "<h2>What was asked</h2>", *map(_paragraph, words)]
         parts += ["<h2>What was found</h2>", _found(summary), _fields(summary), "<h2>Checks</h2>", _checks(summary)]
         if (folder / "fretting.png").is_file():

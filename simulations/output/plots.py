@@ -13,6 +13,7 @@ from .page_words import quantity
 from .style import COLOURS, GREY, MARKERS, evenly, in_words, left_out, save, spread, style
 
 STYLES = ("-", "--")
+WIDTH = 6.0  # inches at least, as the longest line of the legend needs
 DOTS = 45  # computed points shown a curve
 REACH = 1.15  # drawn part of the surface, over the widest contact
 CONSTANT = 0.999  # of the largest normal load: a smaller one is another load
@@ -29,10 +30,9 @@ def plot_run(path: Path, title: str, simulation: Simulation, lines: dict[str, Re
     history = simulation.history
     columns, rows = (3, 2) if history.friction else (1, 1)
     with style():
-        size = (4.7 * columns, 3.8 * rows + 1.5)
-        figure, axes = plt.subplots(rows, columns, figsize=size, squeeze=False)
-        space = {"top": 1 - 0.9 / size[1], "bottom": 1.3 / size[1], "left": 0.78 / size[0], "right": 1 - 0.2 / size[0]}
-        figure.subplots_adjust(**space, hspace=0.36, wspace=0.3)
+        size = (max(4.7 * columns, WIDTH), 3.8 * rows + 1.5)
+        figure, axes = plt.subplots(rows, columns, figsize=size, layout="constrained", squeeze=False)
+        figure.get_layout_engine().set(w_pad=0.1, h_pad=0.1)
         figure.suptitle(f"{title}\n{in_words(simulation.scene)}", wrap=True, parse_math=False, fontsize=11)
         _pressure(axes[0, 0], simulation, lines)
         if history.friction:
@@ -200,4 +200,4 @@ def _legend(figure, simulation, lines):
         symbols = r"$f(a)$: height of the indenter at $x = a$;  $\alpha$: equation (37)"
         note = ";  ".join(filter(None, (note, symbols, shown)))
     columns = 5 if history.friction else 2
-    figure.legend(handles=handles, loc="lower center", ncols=columns, title=note, title_fontsize=9, fontsize=9)
+    figure.legend(handles=handles, loc="outside lower center", ncols=columns, title=note, title_fontsize=9, fontsize=9)

@@ -4,17 +4,20 @@ import csv
 import json
 import shutil
 from html.parser import HTMLParser
+from pathlib import Path
 from types import SimpleNamespace
 
 import h5py
 import matplotlib.pyplot as plt
 import pytest
-from running import coarse_arguments
+from mpi4py import MPI
+from running import COARSE, coarse_arguments
 
 from simulations import fretting, report
 from simulations.output import page_figures, plots
 from simulations.output.page_figures import DENSITY, surface
 from simulations.output.page_words import CHECKS, QUANTITIES, asked, quantity
+from simulations.runs.simulation import Simulation
 from simulations.scene import SceneError, make_scene
 
 
@@ -207,6 +210,32 @@ def test_one_length_and_one_load_in_the_picture(tmp_path, monkeypatch):
     assert "the largest normal load" in figure.legends[0].get_title().get_text()
 
 
+SMALL = {"load.amplitude": 0.2, "mesh.edge_facet": 0.005}  # its ticks of w are as wide as 0.0175
+COATED = dict.fromkeys(("solid.k", "solid.y0_over_a0", "load.mu", "load.amplitude", "load.cycles")) | {
+    "solid.modulus": "linear",
+    "solid.E_substrate": 7e10,
+    "solid.thickness": 1e-3,
+    "solid.nu": 0.3,
+}
+
+
+@pytest.mark.parametrize("changes", [SMALL, COATED], ids=["small amplitude", "coated"])
+def test_the_whole_picture_is_within_its_edges(changes, tmp_path, monkeypatch):
+    """And no title lies on a panel's."""
+    drawn = []
+    monkeypatch.setattr(plots, "save", lambda figure, *_: drawn.append(figure))
+    simulation = Simulation(MPI.COMM_SELF, make_scene(COARSE | changes)).run_to_end()
+    plots.plot_run(tmp_path / "none.png", "A long title. " * 12, simulation, {})
+    (figure,) = drawn
+    figure.draw_without_rendering()
+    inside, edges = figure.get_tightbbox(), figure.bbox_inches
+    assert inside.xmin >= edges.xmin and inside.xmax <= edges.xmax
+    assert inside.ymin >= edges.ymin and inside.ymax <= edges.ymax
+    lowest = figure._suptitle.get_window_extent().ymin
+    assert all(axis.title.get_window_extent().ymax < lowest for axis in figure.axes)
+    plt.close(figure)
+
+
 def test_page_without_a_reference(path, folder):
     """It promises no lines, says why there is no reference, and what effects that are on mean."""
     text = Page(report.page(path)).text
@@ -217,6 +246,15 @@ def test_page_without_a_reference(path, folder):
     assert "indenter profile (other than the parabola)" in text.split("off:")[1]
     beside = Page(report.page(folder)).text
     assert "on the lines of what" in beside and "Reference: closed form" in beside and "states shown" not in beside
+
+
+def test_a_page_without_a_title_has_the_name_of_the_folder(folder, monkeypatch):
+    """From within it too, as ``report .``."""
+    (folder / "summary.json").write_text(json.dumps(summary_of(folder) | {"title": ""}))
+    without_pictures(folder)
+    monkeypatch.chdir(folder)
+    for path in (folder, Path(".")):
+        assert "<h1>copy</h1>" in report.page(path)
 
 
 def test_page_of_a_run_that_stopped(folder):
