@@ -4,6 +4,7 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.ticker import MaxNLocator
 
 from ..runs.closed_forms import Springs
 from ..runs.comparison import Reference
@@ -15,6 +16,7 @@ from .style import COLOURS, GREY, MARKERS, evenly, in_words, left_out, save, spr
 STYLES = ("-", "--")
 WIDTH = 6.0  # inches at least, as the longest line of the legend needs
 DOTS = 45  # computed points shown a curve
+DRAWN, DRAWN_LOOP = 461, 61  # points of a reference's curve, one a pixel; closed forms of most profiles are slow
 REACH = 1.15  # drawn part of the surface, over the widest contact
 CONSTANT = 0.999  # of the largest normal load: a smaller one is another load
 WORST = {"marker": "o", "ms": 9, "mfc": "none", "mec": "k", "mew": 1.0, "ls": "none"}  # a ring around the worst node
@@ -33,6 +35,8 @@ def plot_run(path: Path, title: str, simulation: Simulation, lines: dict[str, Re
         size = (max(4.7 * columns, WIDTH), 3.8 * rows + 1.5)
         figure, axes = plt.subplots(rows, columns, figsize=size, layout="constrained", squeeze=False)
         figure.get_layout_engine().set(w_pad=0.1, h_pad=0.1)
+        for axis in axes.flat:  # few enough tick labels to stay apart
+            axis.xaxis.set_major_locator(MaxNLocator(7, steps=[1, 2, 5, 10]))
         figure.suptitle(f"{title}\n{in_words(simulation.scene)}", wrap=True, parse_math=False, fontsize=11)
         _pressure(axes[0, 0], simulation, lines)
         if history.friction:
@@ -79,7 +83,7 @@ def _curves(axis, entry, widest, values, lines, colour, marker="o"):
     the nodes, and the one that is farthest from the first line; ``widest``: edge of the widest contact.
     """
     surface = entry.surface
-    x = np.linspace(-REACH, REACH, 1201) * widest
+    x = np.linspace(-REACH, REACH, DRAWN) * widest
     for line, dashes in zip(lines, STYLES):
         if line:
             axis.plot(x, line(x), dashes, color=colour, lw=1)
@@ -172,7 +176,7 @@ def _closed_loop(axis, beside, loop, unit, dashes, is_cycle):
     branches = ("initial", "unloading", "reloading") if is_cycle else ("initial",)
     end = float(loop.rigid_shift(loop.Q_A, "initial")) / unit
     for branch in branches:
-        Q = np.linspace(0.0 if branch == "initial" else -loop.Q_A, loop.Q_A, 201)
+        Q = np.linspace(0.0 if branch == "initial" else -loop.Q_A, loop.Q_A, DRAWN_LOOP)
         shift = np.array([loop.rigid_shift(q, branch) for q in Q]) / unit
         axis.plot(shift, Q / loop.mu, dashes, color=GREY, lw=1)
         beside.plot(Q / loop.mu, shift - end * Q / loop.Q_A, dashes, color=GREY, lw=1)
