@@ -53,13 +53,14 @@ class Reference(Protocol):
 class OfStates:
     """Reference made of the states of a half-plane solver, or of another run, dimensionless like the history.
 
-    states: with p, q and slip at any x; energy: as ``History.dissipated_energy``; without_middle: see ``Reference``.
+    states: with p, q and slip at any x; energy: as ``History.dissipated_energy``, None where unknown; without_middle:
+    see ``Reference``.
     """
 
     name = "another run"
     coarser: Reference | None = None
 
-    def __init__(self, states: Sequence, energy: float, without_middle: bool = False):
+    def __init__(self, states: Sequence, energy: float | None, without_middle: bool = False):
         self.states, self._energy, self.without_middle = states, energy, without_middle
 
     def pressure(self, entry: Entry, x):
@@ -87,7 +88,7 @@ class OfStates:
         first, last = longest_zone(left, right, BAND * (state.contact[1] - state.contact[0]))
         return float(right[last] - left[first]) / 2
 
-    def dissipated_energy(self) -> float:
+    def dissipated_energy(self) -> float | None:
         """Of the last full cycle, where there is none since first contact."""
         return self._energy
 

@@ -10,6 +10,7 @@ from .mesh_free import FEWER_NODES, MeshFree, Tell
 from .simulation import Simulation
 
 LOWER = 2  # by which the order is lower for the estimate of the error
+LEAST_ENERGY = 1e-8  # over P²/E(a): all orders share an error of up to 3e-11, however small the energy is
 
 
 class StepFree(OfStates):
@@ -20,6 +21,7 @@ class StepFree(OfStates):
     gaps: numbers of load steps without a state, as points come into contact in stick there. If ``filled`` these states
     are those of ``between``, the mesh-free solver, and so is the energy where these loads leave it open
     (``lacks_energy``): then with load steps that grow from each turn, as all of them count. Else there is no reference.
+    An energy below LEAST_ENERGY, as little friction has, is not known.
     tell: see ``MeshFree``.
     """
 
@@ -36,10 +38,11 @@ class StepFree(OfStates):
     ):
         self._own = self._found(simulation, order, like)
         reasons: dict[int | None, str] = {n: str(why) for n, why in enumerate(map(missing, self._own)) if why}
-        energy = 0.0
+        energy: float | None = None
         try:
             known(self._own[-1:])  # where no turn before is uncertain
             energy = last_cycle(self._own, simulation.schedule)
+            energy = energy if like or energy >= LEAST_ENERGY else None
         except ContactNotConverged as failure:
             reasons[None] = str(failure)
         if reasons and not (filled or like and reasons.keys() <= like.open.keys()):

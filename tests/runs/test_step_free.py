@@ -7,6 +7,8 @@ from mpi4py import MPI
 from analytic.coupled.branch import Branch
 from analytic.coupled.state import CoupledState
 from simulations.loading.schedule import pressing, rocking
+from simulations.runs import report_data
+from simulations.runs.checks import hold
 from simulations.runs.comparison import apart, own_errors
 from simulations.runs.mesh_free import STEPS_SINCE_TURN, MeshFree, refined, shares_since_turn
 from simulations.runs.reference import describe, of_same_physics
@@ -71,3 +73,12 @@ def test_load_steps_since_a_turn_grow():
     assert np.array(loads)[places] == pytest.approx(np.array([step.load for step in schedule]))
     ways = 0.4 - np.array(loads)[places[4] + 1 : places[6] + 1, 1]
     assert ways[0] == pytest.approx(0.01) and np.all(ways[1:] / ways[:-1] < 1.26)
+
+
+def test_an_energy_too_small_for_the_reference_is_not_compared():
+    """With little friction the reference's was 65 % off, known to 7e-5 by its own word, and failed a good run."""
+    little = {"solid.k": 0.3, "solid.nu": 0.3, "load.mu": 1e-5, "load.cycles": 0, "solver.increments": 1}
+    simulation = Simulation(MPI.COMM_SELF, make_scene(SCENE | little | {"load.amplitude": 0.9})).run_to_end()
+    found = report_data.find(simulation)
+    assert isinstance(found.exact.other, StepFree) and found.exact.other.dissipated_energy() is None
+    assert "dissipated_energy" not in found.exact.deviations and hold(found.checks)
