@@ -107,6 +107,11 @@ def at_limit(state: SurfaceState, mu: float) -> np.ndarray:
     return (limit > 0) & (np.abs(state.traction) >= limit - AT_LIMIT * limit.max())
 
 
+def sliding(state: SurfaceState, mu: float) -> np.ndarray:
+    """Sign of the traction where points slide (n,), 0 elsewhere."""
+    return np.where(at_limit(state, mu), np.sign(state.traction), 0.0)
+
+
 def fitted_contact_edges(state: SurfaceState, exponents: tuple[float, float]) -> tuple[float, float]:
     """Left and right edge of the contact, where the pressure ends like a power of the distance: (1+k)/2 in (44)."""
     first, last = _longest_run(state.x, state.pressure > 0)
@@ -124,7 +129,7 @@ def fitted_stick_edges(
     point slides it is ``direction``, that of the load (+1, -1; 0: neither).
     """
     limit, q = mu * state.pressure, state.traction
-    slides = np.where(at_limit(state, mu), np.sign(q), 0.0)
+    slides = sliding(state, mu)
     closed = state.x[state.pressure > 0]
     band = BAND * np.ptp(closed) if closed.size else 0.0
     first, last = _longest_run(state.x, (limit > AT_LIMIT * limit.max()) & (slides == 0.0), band)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
 
-from ..fem.surface import SurfaceState, at_limit
+from ..fem.surface import SurfaceState, sliding
 
 MOVES = 0.02  # of a point's distance from the edge: motions of the edge below do not count
 NEAREST = 0.25  # of the spacing of nodes: what an edge between nodes is known to
@@ -29,7 +29,7 @@ class Moment:
 
     def sliding(self, mu: float) -> np.ndarray:
         """Sign of the traction where points slide (n,), 0 elsewhere."""
-        return np.where(at_limit(self.surface, mu), np.sign(self.surface.traction), 0.0)
+        return sliding(self.surface, mu)
 
 
 def frictional_work(before: Moment, after: Moment, mu: float, k: float, earlier: Moment | None = None) -> np.ndarray:

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..fem.surface import SurfaceState, fitted_contact_edges, fitted_stick_edges
+from ..fem.surface import SurfaceState, fitted_contact_edges, fitted_stick_edges, sliding
 from ..loading.schedule import LoadStep, pressed_first
 from ..loading.stepping import Outcome
 from .frictional_work import Moment, frictional_work, work_of_pressing
@@ -91,8 +91,7 @@ class History:
     def append(self, outcome: Outcome, surface: SurfaceState, seconds: float) -> Entry:
         """Add the state that ``outcome`` ended with."""
         step, s = outcome.step, surface.relative_displacement
-        friction = step.direction * self.mu
-        x_l, c_l, c_r, x_r = self.exponents(friction) if self.exponents else 4 * ((1 + self.k) / 2,)
+        x_l, c_l, c_r, x_r = self._exponents_after(step, surface)
         contact = fitted_contact_edges(surface, (x_l, x_r))
         stick, work = contact, np.zeros_like(s)
         if self.friction and np.any(surface.traction):
@@ -121,6 +120,16 @@ class History:
         )
         self.entries.append(entry)
         return entry
+
+    def _exponents_after(self, step: LoadStep, surface: SurfaceState) -> tuple[float, ...]:
+        """At x_l, c_l, c_r and x_r. While P changes points may slide one way on the left and the other on the right;
+        where none slides it is the load's direction that counts.
+        """
+        if self.exponents is None:
+            return 4 * ((1 + self.k) / 2,)
+        ends = np.flatnonzero(surface.pressure > 0)[[0, -1]]
+        left, right = (self.exponents(self.mu * (s or step.direction)) for s in sliding(surface, self.mu)[ends])
+        return *left[:2], *right[2:]
 
     def _work(self, step: LoadStep, after: Moment) -> np.ndarray:
         """Frictional work (n,) since the start."""

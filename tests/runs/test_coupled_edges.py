@@ -180,3 +180,13 @@ def test_pressed_with_friction_contact_grows_by_equal_steps_that_end_at_the_best
     after = np.searchsorted(x, exact)
     assert (exact - x[after - 1]) / (x[after] - x[after - 1]) == pytest.approx(np.full(10, at), abs=0.05)
     assert max(largest_zigzag(entry.surface, simulation.mu) for entry in pressed[1:]) < 0.02
+
+
+@pytest.mark.parametrize("k, mu", [(0.0, 0.6), (-0.3, 0.3)])
+def test_pressed_with_friction_edges_are_read_with_the_powers_of_slip_to_both_sides(k, mu):
+    """Beside the exact half-width; with (1+k)/2 it was 1e-3 and 6e-4 too small."""
+    scene = {"solid.k": k, "solid.nu": 0.1, "load.mu": mu, "effects.friction_in_normal_stage": True}
+    scene |= {"solver.normal_increments": 3, "mesh.facet": 0.05, "mesh.edge_facet": 2e-3, "mesh.first_layer": 2e-3}
+    simulation = Simulation(MPI.COMM_SELF, make_scene(scene))
+    pressed = [entry for entry, _ in zip(simulation.run(), range(3))][-1]
+    assert pressed.a == pytest.approx(simulation.pressing_with_friction.contact_half_width, abs=2e-4)
