@@ -103,7 +103,7 @@ class Simulation(Plan):
         self.body.delta.value[Y] = indenter.height(self._first_half_width())  # overlap there: where Newton starts
         self.sampler = SurfaceSampler(normal, scene.friction and "coupling" not in self.effects)
         self.resumed = 0  # times
-        self.history = History(scene.k, self.mu, indenter.order if pressing else None, self._exponents())
+        self.history = History(self._k_at_edges, self.mu, indenter.order if pressing else None, self._exponents())
 
     @property
     def warnings(self) -> list[str]:
@@ -223,6 +223,11 @@ class Simulation(Plan):
 
     def _zigzag(self) -> float:
         return largest_zigzag(self.sampler.sample(self.solver.problem), self.mu) / ZIGZAGS
+
+    @property
+    def _k_at_edges(self) -> float:
+        """k beside the edges of contact: the substrate's where a coating is thinner than the facets there."""
+        return self.scene.k if self.scaled.modulus.thickness > self.cells.edge_facet else 0.0
 
     def _exponents(self):
         """Of tractions at edges where coupling changes them, see ``History``."""

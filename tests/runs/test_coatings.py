@@ -66,6 +66,13 @@ def test_a_thick_coating_is_the_power_law():
     assert off[1] < off[0] / 4
 
 
+def test_edges_in_facets_thicker_than_the_coating_are_read_with_the_power_of_the_substrate():
+    """With that of the coating, (1+k)/2, contact seemed 2 % wider."""
+    text = SCENE.format(modulus="power-law coating", more="k = 0.5\ny0_over_a0 = 10.0", thickness=1e-3)
+    simulation = solved(text.replace("mu = 0.3\namplitude = 0.9\n", ""))
+    assert abs(compare(simulation.history, MeshFree(simulation))["a"]) < 1e-3
+
+
 @pytest.mark.parametrize(
     "modulus, thickness, E_substrate, said",
     [
