@@ -74,7 +74,8 @@ class Entry:
 
 @dataclass
 class History:
-    """Entries of a run so far. k and mu are the grading and the coefficient of friction (0: no tangential problem).
+    """Entries of a run so far. k: exponent of the modulus beside the edges of contact; mu: coefficient of friction, 0
+    without a tangential problem.
 
     m: of an indenter |x|^m whose contact grows similar to itself while it is pressed on with friction; None where it
     does not. exponents: of tractions at x_l, c_l, c_r and x_r, a function of friction where slip has q = friction p;
