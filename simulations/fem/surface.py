@@ -1,5 +1,6 @@
 """Surface quantities of a state: pressure, traction, slip, edges of contact and stick, dissipated energy."""
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -119,25 +120,23 @@ def fitted_contact_edges(state: SurfaceState, exponents: tuple[float, float]) ->
 
 
 def fitted_stick_edges(
-    state: SurfaceState, mu: float, direction: int, exponents: tuple[float, float]
+    state: SurfaceState, mu: float, direction: int, exponents: Callable[[float], Sequence[float]]
 ) -> tuple[float, float]:
     """Left and right edge of the stick zone, of several the longest; both are nan when every point slips. Those that
     less than BAND keeps apart are one.
 
     The traction's distance from the limit that points beyond an edge slide at, mu p - s q, ends there like a power of
-    the distance: (1+k)/2 in (47). s is the sign of q there, which differs between both edges where P changes; where no
-    point slides it is ``direction``, that of the load (+1, -1; 0: neither).
+    the distance: (1+k)/2 in (47), and ``exponents`` of s at both edges. s is the sign of q there, which differs between
+    both edges where P changes; where no point slides it is ``direction``, that of the load (+1, -1; 0: neither).
     """
     limit, q = mu * state.pressure, state.traction
     slides = sliding(state, mu)
     closed = state.x[state.pressure > 0]
     band = BAND * np.ptp(closed) if closed.size else 0.0
     first, last = _longest_run(state.x, (limit > AT_LIMIT * limit.max()) & (slides == 0.0), band)
-    margins = []
-    for beyond in (first - 1, last):
-        s = (slides[beyond] if 0 <= beyond < len(slides) else 0.0) or direction
-        margins.append(limit - (s * q if s else np.abs(q)))
-    return _edges(state.x, margins, first, last, exponents)
+    signs = [(slides[i] if 0 <= i < len(slides) else 0.0) or direction for i in (first - 1, last)]
+    margins = [limit - (s * q if s else np.abs(q)) for s in signs]
+    return _edges(state.x, margins, first, last, [exponents(s)[i] for i, s in enumerate(signs)])
 
 
 def _edges(x, values, first, last, exponents):

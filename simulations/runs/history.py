@@ -92,11 +92,12 @@ class History:
     def append(self, outcome: Outcome, surface: SurfaceState, seconds: float) -> Entry:
         """Add the state that ``outcome`` ended with."""
         step, s = outcome.step, surface.relative_displacement
-        x_l, c_l, c_r, x_r = self._exponents_after(step, surface)
+        ends = sliding(surface, self.mu)[np.flatnonzero(surface.pressure > 0)[[0, -1]]]  # while P changes not the same
+        x_l, x_r = (self._exponents(s or step.direction)[i] for i, s in zip((0, -1), ends))
         contact = fitted_contact_edges(surface, (x_l, x_r))
         stick, work = contact, np.zeros_like(s)
         if self.friction and np.any(surface.traction):
-            left, right = fitted_stick_edges(surface, self.mu, step.direction, (c_l, c_r))
+            left, right = fitted_stick_edges(surface, self.mu, step.direction, lambda s: self._exponents(s)[1:3])
             stick = max(left, contact[0]), min(right, contact[1])  # each is fitted by itself
         if self.friction:
             work = self._work(step, Moment(surface, contact))
@@ -122,15 +123,9 @@ class History:
         self.entries.append(entry)
         return entry
 
-    def _exponents_after(self, step: LoadStep, surface: SurfaceState) -> tuple[float, ...]:
-        """At x_l, c_l, c_r and x_r. While P changes points may slide one way on the left and the other on the right;
-        where none slides it is the load's direction that counts.
-        """
-        if self.exponents is None:
-            return 4 * ((1 + self.k) / 2,)
-        ends = np.flatnonzero(surface.pressure > 0)[[0, -1]]
-        left, right = (self.exponents(self.mu * (s or step.direction)) for s in sliding(surface, self.mu)[ends])
-        return *left[:2], *right[2:]
+    def _exponents(self, sign: float) -> tuple[float, ...]:
+        """At x_l, c_l, c_r and x_r, where slip beside an edge has q = sign mu p."""
+        return self.exponents(sign * self.mu) if self.exponents else 4 * ((1 + self.k) / 2,)
 
     def _work(self, step: LoadStep, after: Moment) -> np.ndarray:
         """Frictional work (n,) since the start."""

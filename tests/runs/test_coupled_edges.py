@@ -28,8 +28,20 @@ def test_of_two_zones_of_stick_the_longest_counts_not_the_one_with_more_nodes():
     slides = (np.abs(x + 0.9) < 0.05) | (np.abs(x - 0.65) < 0.05)
     q = np.where(slides, limit * p, 0.5 * limit * p)
     surface = SurfaceState(x, np.gradient(x), p, q, np.zeros((2, len(x))), np.zeros(2), np.zeros((2, len(x))))
-    left, right = fitted_stick_edges(surface, limit, 1, (0.5, 0.5))
+    left, right = fitted_stick_edges(surface, limit, 1, lambda s: (0.5, 0.5))
     assert left == pytest.approx(-0.85, abs=0.05) and right == pytest.approx(0.6, abs=0.05)
+
+
+def test_an_edge_of_stick_is_read_with_the_power_of_the_slip_beside_it_not_of_the_slip_beyond():
+    """As P falls again points beside the stick slide outwards still, and those at the edges of contact inwards."""
+    x, limit, powers = np.linspace(-1, 1, 801), 0.3, {-1.0: 0.3, 1.0: 0.6}
+    p = np.sqrt(1.0 - np.minimum(x**2, 1.0))
+    margin = np.maximum(0.4 - np.abs(x), 0.0) ** np.where(x < 0, powers[1.0], powers[-1.0])
+    beside = limit * p * -np.sign(x) * (1.0 - margin)
+    q = np.where(np.abs(x) < 0.7, beside, -beside)
+    surface = SurfaceState(x, np.gradient(x), p, q, np.zeros((2, len(x))), np.zeros(2), np.zeros((2, len(x))))
+    edges = fitted_stick_edges(surface, limit, 0, lambda s: (powers[s], powers[s]))
+    assert edges == pytest.approx((-0.4, 0.4), abs=1e-4)
 
 
 def plan(*settings) -> Plan:
@@ -136,7 +148,7 @@ def test_edges_are_read_with_the_powers_that_coupling_gives():
         for entry in simulation.history.entries[1:-1]:  # the last edge has that of the first turn beside it
             x_l, c_l, c_r, x_r = exponents(entry.step.direction * simulation.mu)
             contact = fitted_contact_edges(entry.surface, (x_l, x_r))
-            stick = fitted_stick_edges(entry.surface, simulation.mu, entry.step.direction, (c_l, c_r))
+            stick = fitted_stick_edges(entry.surface, simulation.mu, entry.step.direction, lambda s: (c_l, c_r))
             exact = (*reference.contact(entry), *reference.states[entry.number].stick)
             off.append(np.abs(np.subtract((*contact, *stick), exact)))
         middle.append(np.median(off))
