@@ -28,7 +28,7 @@ LIBRARIES = {  # what a room may import beside the standard library and the room
 }
 STRANGERS = {("analytic", "forms")}  # rooms that do not know each other, whatever their order
 SOLVERS = {"dolfinx", "petsc4py", "mpi4py", "gmsh", "basix", "ufl", "numpy", "scipy", "sympy", "pydantic", "h5py"}
-SOLVERS |= {"matplotlib", "meshio", "pandas", "adios4dolfinx"}
+SOLVERS |= {"matplotlib", "meshio", "pandas"}
 FILES = sorted(path for room in ("forms", "analytic", "simulations") for path in (ROOT / room).rglob("*.py"))
 
 
