@@ -11,10 +11,12 @@ import numpy as np
 from forms.contact import CLOSED, OPEN
 
 from ..fem.surface_points import SIDES
-from .contact_points import BESIDE, Surface, leading
+from .contact_points import BESIDE, Surface, edge_of_contact, leading
 
 CUT = 4  # points that reach over the facet which an edge of contact cuts
+OUT = 2  # points outside of that facet which are anchored with those that it reaches over
 DRAWN = 0.3  # least length of an edge's curve up to now, over that in this step, from which it goes on
+SLIVER = 0.06  # least width of a band of slip that an edge of stick draws through, over how far that of contact came
 FOLLOWS = 2.0  # times as far as the edge of contact that of stick goes which follows it; further it goes in a reversal
 FASTEST = 10.0  # longest step along the last change of anchors, over that change
 
@@ -46,11 +48,13 @@ class StickCurves:
         self._kept = states
 
     def draw(self, after: Surface, touch: np.ndarray) -> np.ndarray:
-        """``touch`` (n,) with the curves in the state ``after``."""
+        """``touch`` (n,) with the curves in the state ``after``; what sticks because of a curve does not drop it."""
         seen = after if self._kept is None else Surface(self._kept, after.s, after.clearance)
         new = touch.copy()
         for side in SIDES:
-            self.drawn[side] = anchors_of_stopped(self._x, self._before, seen, side, touch, self._start[side])
+            curve = anchors_of_stopped(self._x, self._before, seen, side, touch, self._start[side])
+            if len(curve.points) or side not in self.drawn:
+                self.drawn[side] = curve
             new[self.drawn[side].points] = self.drawn[side].anchors
         return new
 
@@ -113,6 +117,8 @@ def anchors_of_stopped(x, before: Surface, after: Surface, side: int, touch, sta
         return Curve(stopped, after.s[outer] * share[stopped], tip)
     was = x[before.states != OPEN]
     moved = abs(x[outwards[-1]] - (was[-1] if side > 0 else was[0]))
+    if abs(edge_of_contact(x, after.states, side) - (x[outer] + x[outwards[edge - 1]]) / 2) < SLIVER * moved:
+        return none  # it sticks up to its edge, but for what the facet there makes of it
     still = edge - leading(states[:edge][::-1] == CLOSED)
     slides_back = leading(states[first:still][::-1] == 2 * CLOSED - states[-1]) > CUT
     if slides_back and abs(x[outwards[still]] - x[outer]) < moved:  # what slid soon slides the other way
@@ -140,6 +146,25 @@ def anchors_of_stopped(x, before: Surface, after: Surface, side: int, touch, sta
         return Curve(stopped, touch[stopped] + (after.s[outer] - touch[outer]) * share, began)
     behind = outwards[np.argmin(np.abs(x[outwards] - (x[inner] - side * min(length, drawn))))]
     return Curve(stopped, smooth(x, after.s, [behind, inner, outer], x[stopped]), start)
+
+
+def without_kink(x, before: Surface, after: Surface, side: int, touch) -> np.ndarray:
+    """``touch`` (n,), but smooth where the edge of contact was before the step, if it has gone on.
+
+    The facet that it cut let points slide beside it, and moved those beyond it: where they stop they would keep that.
+    Points that slid there, at most ``CUT``, lie on a smooth curve through those further inside and further out.
+    """
+    contact = np.flatnonzero(after.states != OPEN)
+    outwards = contact if side > 0 else contact[::-1]
+    old = before.states[outwards]
+    was = len(old) - leading(old[::-1] == OPEN)
+    first, end = was - min(leading(old[:was][::-1] != CLOSED), CUT), was + OUT
+    inner, outer = first - 1 - BESIDE, end + BESIDE
+    if first == was or inner < 0 or outer >= len(old):
+        return touch
+    smoothed = touch.copy()
+    smoothed[outwards[first:end]] = smooth(x, touch, outwards[[inner, first - 1, end, outer]], x[outwards[first:end]])
+    return smoothed
 
 
 def smooth(x, values, support: list | np.ndarray, at) -> np.ndarray:

@@ -210,7 +210,7 @@ def test_where_friction_from_first_contact_does_nothing_no_traction_is_compared(
 
 FEW = {
     "another facet": (-0.2, -0.2, 0.55, 0.2, 2, 0.0034),
-    "KEEPS": (-0.2, -0.2, 0.55, 0.2, 2, 0.003),
+    "KEEPS": (-0.2, -0.2, 0.4, 0.2, 2, 0.004),
     "points that stop change": (-0.3, -0.2, 0.55, 0.2, 3, 0.0034),
     "CUT": (-0.4, -0.2, 0.4, 0.15, 2, 0.004),
     "edge within its facet": (-0.3, 0.0, 0.4, 0.15, 10, 0.001),
