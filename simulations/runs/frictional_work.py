@@ -27,10 +27,6 @@ class Moment:
         """Relative displacement (n,)."""
         return self.surface.relative_displacement
 
-    def sliding(self, mu: float) -> np.ndarray:
-        """Sign of the traction where points slide (n,), 0 elsewhere."""
-        return sliding(self.surface, mu)
-
 
 def frictional_work(before: Moment, after: Moment, mu: float, k: float, earlier: Moment | None = None) -> np.ndarray:
     """Energy that a load step dissipates per area of surface (n,), -∫ q ds. earlier: the state before ``before``; k:
@@ -41,7 +37,7 @@ def frictional_work(before: Moment, after: Moment, mu: float, k: float, earlier:
     averaged over the points that the edges pass. Points that stick do no work.
     """
     p0, p1 = before.surface.pressure, after.surface.pressure
-    was, now = before.sliding(mu), after.sliding(mu)
+    was, now = sliding(before.surface, mu), sliding(after.surface, mu)
     touches = (p0 > 0) & (p1 > 0)
     moved = after.s - before.s
     goes_on, begins = touches & (now != 0) & (was == now), touches & (now != 0) & (was != now)
@@ -67,7 +63,7 @@ def work_of_pressing(after: Moment, mu: float, k: float, m: float) -> np.ndarray
     """
     x, power = after.surface.x, 2.0 * m + k
     rate = m * after.s - x * np.gradient(after.s, x)
-    g = np.where(after.sliding(mu) != 0, mu * after.surface.pressure * np.abs(rate), 0.0)
+    g = np.where(sliding(after.surface, mu) != 0, mu * after.surface.pressure * np.abs(rate), 0.0)
     work = np.zeros(len(x))
     for side in (-1, 1):
         outwards = np.flatnonzero(side * x > 0)[::side]

@@ -159,8 +159,7 @@ class History:
 
     def contact_states(self, entry: Entry) -> np.ndarray:
         """SEPARATED, STICK or SLIP at each node (n,). Without friction what is in contact counts as STICK."""
-        moment = Moment(entry.surface, entry.contact)
-        slides = moment.sliding(self.mu) != 0 if self.friction else False
+        slides = sliding(entry.surface, self.mu) != 0 if self.friction else False
         return np.where(entry.surface.pressure > 0, np.where(slides, SLIP, STICK), SEPARATED)
 
     @property
