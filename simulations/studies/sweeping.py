@@ -26,6 +26,7 @@ from ..runs.report_data import Findings, find
 from ..runs.simulation import Simulation
 from ..scene import DEFAULT_SCENE, Scene, SceneError, parse, shown
 from ..scene.effects import Effects
+from ..scene.text import written
 from .engine import FAILED, Item, Row, run_all
 from .store import Store
 from .sweep_folder import RUNS, taken
@@ -40,8 +41,9 @@ class Table(list[Row]):
     """Rows of a sweep, one a scene: the keys that vary, results, errors, checks, seconds, status and reason."""
 
     def to_csv(self, path: str | Path):
-        """A CSV file with a column for each key of any row."""
-        write_table(Path(path), self)
+        """A CSV file with a column for each key of any row; truth values and lists as the scene language has them."""
+        words = [{n: written(v) if isinstance(v, (bool, list)) else v for n, v in row.items()} for row in self]
+        write_table(Path(path), words)
 
     @property
     def failed(self) -> int:

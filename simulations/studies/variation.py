@@ -67,7 +67,11 @@ def _parts(text: str) -> list[str]:
 
 def read_table(path: Path) -> list[Changes]:
     """Rows of a CSV file whose columns are keys of the scene."""
-    head, *lines = list(csv.reader(io.StringIO(read_text(path, "--csv-in")))) or [[]]
+    table = io.StringIO(read_text(path, "--csv-in"))
+    try:
+        head, *lines = list(csv.reader(table, skipinitialspace=True)) or [[]]
+    except csv.Error as error:  # a quote that is never closed makes one cell of the rest
+        raise SceneError(f"--csv-in {shown(path)} is not a table: {error}") from None
     names = [name.strip() for name in head]
     for mark, word in ((";", ";"), ("\t", "tabs")):
         if len(names) == 1 and mark in names[0]:

@@ -6,7 +6,8 @@ from running import run_command
 import simulations.sweep as command
 from simulations import SceneError
 from simulations.scene import DEFAULT_SCENE
-from simulations.studies.variation import check, product, read_vary
+from simulations.studies.sweeping import Table
+from simulations.studies.variation import check, product, read_table, read_vary
 
 BAD = {
     "nothing": ([], "nothing varies"),
@@ -47,10 +48,11 @@ TABLES |= {"solid.kk\n0.1\n": "solid.k?"}
 TABLES |= {"solid.k;load.mu\n0,1;0,2\n": "separated by ;", "solid.k\tload.mu\n0.1\t0.2\n": "separated by tabs"}
 TABLES |= {"solid.k,load.mux\n0.1,0.3\n": "load.mux = 0.3 is to vary, but: load.mux = 0.3 is not a key"}
 TABLES |= {"load.P,load.mu\n1e6,200\n1e7,300\n": "load.mu = 200 is to vary, but: load.mu = 200 is not allowed"}
+TABLES |= {f'title,solid.k\n"{"a" * 140_000},0.1\n': "is not a table: field larger"}
 TABLES |= {SHORT: "line 2", HOLE: "line 3", "solid.k\n0.1\n0.1\n": "twice"}
 
 
-@pytest.mark.parametrize("text, said", TABLES.items())
+@pytest.mark.parametrize("text, said", TABLES.items(), ids=range(len(TABLES)))
 def test_a_bad_table_is_one_line(tmp_path, monkeypatch, text, said):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "in.csv").write_text(text)
@@ -58,6 +60,17 @@ def test_a_bad_table_is_one_line(tmp_path, monkeypatch, text, said):
         command.read(["--csv-in", "in.csv", "--output", "out"])
     assert said in str(refusal.value) and "\n" not in str(refusal.value)
     assert [path.name for path in tmp_path.iterdir()] == ["in.csv"]
+
+
+def test_a_table_that_a_sweep_wrote_is_read_again(tmp_path):
+    rows = [{"effects.coupling": True, "output.states": ["normal", "A"], "title": "a, b", "solid.k": 0.3}]
+    Table(rows).to_csv(tmp_path / "keys.csv")
+    assert read_table(tmp_path / "keys.csv") == rows
+
+
+def test_a_blank_after_a_comma_does_not_end_the_quotes(tmp_path):
+    (tmp_path / "in.csv").write_text('solid.k, title, load.mu\n0.1, "a, b", "0.2"\n')
+    assert read_table(tmp_path / "in.csv") == [{"solid.k": 0.1, "title": "a, b", "load.mu": 0.2}]
 
 
 def test_a_scene_that_is_not_toml_is_named(tmp_path, monkeypatch):
