@@ -13,7 +13,7 @@ from types import ModuleType
 from .command.arguments import Parser
 from .command.command import NO_SOLUTION, comm, on_root, run, say
 from .runs.checks import ChecksFailed
-from .scene import DEFAULT_SCENE, SceneError, shown
+from .scene import DEFAULT_SCENE, shown
 from .scene.text import read_keys, read_text
 from .studies.engine import workers
 from .studies.sweep_folder import TABLE, taken
@@ -65,10 +65,6 @@ def read(arguments: list[str]) -> Namespace:
     given.sets = tuple(given.set)
     rows = read_table(given.csv_in) if given.csv_in else [{}]
     given.cases = product(read_vary(given.vary), rows)
-    for override in given.sets:
-        key = override.partition("=")[0].strip()
-        if any(key in changes for changes in given.cases):
-            raise SceneError(f"{key} is to vary, and --set {override} gives it one value")
     check(given.text, given.sets, given.cases)
     name = "default" if given.scene is None else given.scene.stem
     given.output = given.output or Path("results") / f"sweep-{name}"

@@ -155,7 +155,13 @@ def overrides(changes: Mapping[str, Any]) -> tuple[str, ...]:
 
 
 def check(text: str, sets: tuple[str, ...], cases: list[Changes]):
-    """SceneError for a value that no combination takes. What only some combinations refuse is a row of the table."""
+    """SceneError for a value that no combination takes, and for a key that is set, too. What only some combinations
+    refuse is a row of the table.
+    """
+    for override in sets:
+        key = override.partition("=")[0].strip()
+        if any(key in changes for changes in cases):
+            raise SceneError(f"{key} is to vary, and --set {override} gives it one value")
     refused: dict[tuple[str, str], SceneError] = {}
     accepted: set[tuple[str, str]] = set()
     ordered: set[tuple[str, ...]] = set()  # keys whose order makes no difference
@@ -189,10 +195,14 @@ def _check_base(text: str, sets: tuple[str, ...], reason: SceneError):
 
 def _check_order(text: str, sets: tuple[str, ...], changes: Changes):
     """SceneError where one key takes the place of another, as a length that of its ratio: then only the last counts."""
-    backwards = dict(reversed(changes.items()))
-    one, two = (parse(text, (*sets, *overrides(either))).to_toml() for either in (changes, backwards))
-    if one != two:
+    words = overrides(changes)
+    usual, backwards, sets_last = (
+        parse(text, order).to_toml() for order in ((*sets, *words), (*sets, *reversed(words)), (*words, *sets))
+    )
+    if usual != backwards:
         raise SceneError(f"{', '.join(changes)} are to vary, but one of them takes the place of another")
+    if usual != sets_last:
+        raise SceneError(f"of {', '.join(changes)} to vary one takes the place of a key of --set {', '.join(sets)}")
 
 
 def _plain(value):

@@ -6,6 +6,7 @@ from running import run_command
 import simulations.sweep as command
 from simulations import SceneError
 from simulations.scene import DEFAULT_SCENE
+from simulations.studies import sweeping
 from simulations.studies.sweeping import Table
 from simulations.studies.variation import check, product, read_table, read_vary
 
@@ -19,6 +20,7 @@ BAD = {
     "same value": (["--vary", "solid.k=0.1,0.1"], "twice"),
     "set and vary": (["--vary", "solid.k=0.1,0.2", "--set", "solid.k=0.3"], "--set solid.k=0.3"),
     "two keys for one": (["--vary", "solid.y0=1,2", "--vary", "solid.y0_over_a0=1,2"], "y0"),
+    "set for another": (["--vary", "solid.y0_over_a0=1,2", "--set", "solid.y0=1"], "a key of --set solid.y0=1"),
     "one end": (["--vary", "solid.k=0.1:0.1:3"], "two different ends"),
     "one value": (["--vary", "solid.k=0.1:0.2:1"], "2 to 100000"),
     "no count": (["--vary", "solid.k=0.1:0.2"], "FIRST:LAST:COUNT"),
@@ -92,6 +94,12 @@ def test_a_refusal_as_the_user_sees_it(tmp_path):
 def test_one_key_for_another_is_found_in_any_row():
     with pytest.raises(SceneError, match="^solid.y0, solid.y0_over_a0 are to vary, but one of them takes the place"):
         check(DEFAULT_SCENE, (), product([{"solid.k": 0.1}, {"solid.y0": 1.0, "solid.y0_over_a0": 2.0}]))
+
+
+def test_a_key_that_is_set_does_not_vary_from_python_either(monkeypatch):
+    monkeypatch.setattr(sweeping, "run_scene", None)
+    with pytest.raises(SceneError, match="^solid.k is to vary, and --set solid.k=0.2 gives it one value"):
+        sweeping.sweep(vary={"solid.k": [0.1]}, sets=["solid.k=0.2"])
 
 
 def test_what_is_wrong_without_the_key_that_varies_is_not_blamed_on_it():
