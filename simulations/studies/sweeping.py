@@ -26,11 +26,11 @@ from ..runs.report_data import Findings, find
 from ..runs.simulation import Simulation
 from ..scene import DEFAULT_SCENE, Scene, SceneError, parse, shown
 from ..scene.effects import Effects
-from ..scene.text import written
+from ..scene.text import read_keys, written
 from .engine import FAILED, Item, Row, run_all
 from .store import Store
 from .sweep_folder import RUNS, taken
-from .variation import Changes, base_of, check, listed, overrides, product
+from .variation import Changes, base_of, check, keys_alone, listed, overrides, product
 
 # Keys that may leave mesh and stiffness as they are, in units of the contact.
 SCALES = {"title", "load.P", "load.mu", "solid.E0", "solid.y0", "indenter.R", "solver.gamma0", "reference.kind"}
@@ -92,11 +92,13 @@ def sweep(
 
 def items_of(text: str, sets: tuple[str, ...], cases: list[Changes], folder) -> list[Item]:
     """The run of each checked case; folder: None, or where folders of the runs go."""
+    text = keys_alone(read_keys(text))  # comments make no other sweep
     items = []
     for number, changes in enumerate(cases, start=1):
         values = {"text": text, "set": [*sets, *overrides(changes)]}
         if folder is not None:
-            values["folder"] = str(Path(folder) / RUNS.format(number))
+            # whole, as a process that was there before may work in another folder than this one
+            values["folder"] = str(Path(folder).absolute() / RUNS.format(number))
         items.append(Item(", ".join(f"{key} = {value}" for key, value in changes.items()), values))
     return items
 

@@ -143,10 +143,15 @@ def base_of(scene) -> str:
     if isinstance(scene, Scene):
         return scene.to_toml()
     if isinstance(scene, Mapping):
-        return "".join(f"{key} = {written(_plain(value))}\n" for key, value in flatten(dict(scene)).items())
+        return keys_alone(flatten(dict(scene)))
     text = text_of(scene, "scene")
     read_keys(text)
     return text
+
+
+def keys_alone(keys: Mapping[str, Any]) -> str:
+    """Flat keys as TOML, a line each, in the order of their names."""
+    return "".join(f"{key} = {written(_plain(value))}\n" for key, value in sorted(keys.items()))
 
 
 def overrides(changes: Mapping[str, Any]) -> tuple[str, ...]:

@@ -14,6 +14,7 @@ from simulations.output import folder as run_folder
 from simulations.output.checkpoint import read_scene
 from simulations.output.lock import Lock, Locked
 from simulations.runs.checks import ChecksFailed
+from simulations.scene import DEFAULT_SCENE
 from simulations.studies import sweeping
 
 
@@ -71,6 +72,23 @@ def test_a_sweep_that_was_moved_goes_on(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     run("two", "0.2", "--folders")
     assert friction_of(tmp_path / "two") == [0.2]
+
+
+def test_a_changed_comment_makes_no_other_sweep(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    scene = Path("scene.toml")
+    for text in (DEFAULT_SCENE, DEFAULT_SCENE.replace("# m", "# metres")):
+        scene.write_text(text)
+        command.main([str(scene), *arguments("out", ["load.mu=0.2"], "--quiet")])
+        monkeypatch.setattr(sweeping, "run_scene", None)
+    assert friction_of(Path("out")) == [0.2]
+
+
+def test_every_process_writes_into_the_same_folder(tmp_path, monkeypatch):
+    """Also one that works in another folder, as where a notebook has changed its own since it made the processes."""
+    monkeypatch.chdir(tmp_path)
+    (item,) = sweeping.items_of(DEFAULT_SCENE, (), [{"load.mu": 0.2}], "out")
+    assert item.values["folder"] == str(tmp_path / "out" / "run-0001")
 
 
 def test_a_run_whose_folder_is_gone_is_run_again(tmp_path):
