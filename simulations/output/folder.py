@@ -9,7 +9,7 @@ import os
 import platform
 import re
 import shlex
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -115,7 +115,7 @@ def remove_run(folder: Path):
             (folder / SCENE).unlink(missing_ok=True)
         finally:
             lock.release()
-        _remove_empty((folder / field_index.FOLDER, folder))
+        remove_empty((folder / field_index.FOLDER, folder))
 
 
 def has_lost_scene(folder: Path) -> bool:
@@ -164,8 +164,11 @@ def locked(folder: Path, option: str = "--output") -> Lock:
         raise SceneError(f"{option} {shown(folder)} cannot be written: {error.strerror}") from None
 
 
-def writable(folder: Path, option: str = "--output"):
-    """Make ``folder`` where it is missing; SceneError, and nothing left of it, where results cannot be written."""
+def writable(folder: Path, option: str = "--output") -> list[Path]:
+    """Make ``folder`` where it is missing; SceneError, and nothing left of it, where results cannot be written.
+
+    Returns the folders that were made.
+    """
     try:
         missing = _missing(folder)
         try:
@@ -179,8 +182,9 @@ def writable(folder: Path, option: str = "--output"):
             finally:
                 probe.unlink(missing_ok=True)
         except (OSError, ValueError):
-            _remove_empty(missing)
+            remove_empty(missing)
             raise
+        return missing
     except FileExistsError as error:
         place = Path(error.filename)
         why = f"{shown(place)} is {'a link to what is not there' if place.is_symlink() else 'a file'}, not a folder"
@@ -209,7 +213,7 @@ class _Claim:
 
     def release(self):
         self._lock.release()
-        _remove_empty(self._missing)
+        remove_empty(self._missing)
 
 
 def _missing(folder):
@@ -218,7 +222,8 @@ def _missing(folder):
     return [place for place in (folder, *folder.parents) if not os.path.exists(place)]
 
 
-def _remove_empty(folders):
+def remove_empty(folders: Iterable[Path]):
+    """Remove the folders that hold nothing, in this order."""
     for folder in folders:
         with suppress(OSError):
             folder.rmdir()

@@ -4,7 +4,7 @@ from argparse import Namespace
 from pathlib import Path
 
 from ..command.arguments import Parser
-from ..output.folder import writable
+from ..output.folder import remove_empty, writable
 from ..scene import SceneError, shown
 from .engine import Item
 from .store import Store
@@ -34,18 +34,23 @@ def asked_for(given: Namespace, items: list[Item], store: str) -> list[Item]:
 
 
 def make_folders(given: Namespace, page: str | None = None):
-    """The folders of --output and --page, once everything else is checked; SceneError where one cannot be written.
+    """The folders of --output and --page, once everything else is checked; SceneError where one cannot be written, and
+    then none is made.
 
     page: name of the page in --output where --page names none.
     """
     if page is not None and given.page is None:
         given.page = given.output / page
-    if getattr(given, "output", None) is not None:
-        writable(given.output)
-    if getattr(given, "page", None) is not None:
+    made = [] if getattr(given, "output", None) is None else writable(given.output)
+    if getattr(given, "page", None) is None:
+        return
+    try:
         if given.page.is_dir():
             raise SceneError(f"--page {given.page} is not allowed: a folder, not a file")
         writable(given.page.parent, "--page")
+    except SceneError:
+        remove_empty(made)
+        raise
 
 
 def read_map(arguments: list[str], name: str, description: str | None, values: tuple[int, int]) -> Namespace:

@@ -119,6 +119,15 @@ def test_no_command_takes_the_empty_text_for_this_folder(module, arguments, fold
     assert sorted(path.name for path in folder.iterdir()) == sorted(SCENES)
 
 
+@pytest.mark.parametrize("page", [".", "scene.toml/page.md"])
+def test_a_page_that_cannot_be_written_leaves_no_folder_of_results(page, folder):
+    (folder / "scene.toml").write_text(DEFAULT_SCENE)
+    before = sorted(folder.rglob("*"))
+    with pytest.raises(SceneError, match="^--page .*(a folder, not a file|cannot be written)"):
+        importlib.import_module("simulations.studies.maps").main(["--page", page])
+    assert sorted(folder.rglob("*")) == before
+
+
 @pytest.mark.parametrize("stream", ["/dev/full", "closed pipe"])
 def test_nobody_listens(stream, tmp_path):
     """Where standard output cannot take any more the run goes on and its files are whole."""
