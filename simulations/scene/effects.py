@@ -183,9 +183,13 @@ ALL: list[Effect] = []
 
 def add(*effects: Effect):
     """Let every scene have these effects: keys, verdicts and terms. One takes the place of another of its name."""
-    names = [effect.name for effect in effects]
+    names, before = [effect.name for effect in effects], [*ALL]
     ALL[:] = [*(effect for effect in ALL if effect.name not in names), *effects]
-    _update_keys()
+    try:
+        _update_keys()
+    except Exception:  # keys that are none: other scenes must not meet them
+        ALL[:] = before
+        raise
 
 
 def remove(*effects: Effect):

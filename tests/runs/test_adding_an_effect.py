@@ -72,6 +72,14 @@ def test_the_new_effect_is_a_key_a_reason_and_a_term(with_springs):
     assert abs(more) > 1e-9 * bare.body.constrained_stiffness.norm()
 
 
+def test_an_effect_whose_keys_are_none_is_not_added():
+    """In a notebook all scenes after it would be refused."""
+    before = [*effects.ALL]
+    with pytest.raises(Exception, match="zed"):
+        effects.add(Effect("wrong", springs, keys={"zed": 0.0}))
+    assert effects.ALL == before and parse(DEFAULT_SCENE)
+
+
 def test_off_it_leaves_no_trace(with_springs):
     off = coarse_simulation()
     assert "springs" not in off.effects and off.scene.effects.springs == 0
