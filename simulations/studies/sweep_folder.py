@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from ..fem.parallel import on_root
-from ..output.folder import FILES, SWEEP, has_lost_scene, locked, refuse_changed, remove_run
+from ..output.folder import FILES, SWEEP, has_lost_scene, is_whole, locked, refuse_changed, remove_run
 from ..scene import SceneError, shown
 from .engine import Item
 from .store import Store
@@ -63,6 +63,8 @@ def _make_ready(folder, items, overwrite):
             for run_folder in replaced:  # before anything is taken away
                 if not has_lost_scene(run_folder):
                     refuse_changed(run_folder)
+            # those that failed or were stopped are in no row, and would be in the way of a scene of their number
+            replaced += [run_folder for run_folder in sorted(folder.glob("run-[0-9]*")) if not is_whole(run_folder)]
         for run_folder in replaced:
             remove_run(run_folder)
         if overwrite:

@@ -9,7 +9,7 @@ from coarse_sweep import COARSE_SETS, arguments, rows_of
 from running import coarse_arguments, contents
 
 import simulations.sweep as command
-from simulations import SceneError, fretting
+from simulations import SceneError, SolveError, fretting
 from simulations.output import folder as run_folder
 from simulations.output.checkpoint import read_scene
 from simulations.output.lock import Lock, Locked
@@ -135,6 +135,21 @@ def test_what_overwrite_replaces(tmp_path):
     assert friction_of(tmp_path) == [0.7] and len((tmp_path / "sweep.jsonl").read_text().splitlines()) == 1
     assert contents(tmp_path / "run-0002") == {Path("notes.txt"): b"mine"}
     assert not (tmp_path / "run-0001").exists() and run_folder.is_whole(single)
+
+
+def test_overwrite_takes_away_a_run_that_failed(tmp_path, monkeypatch):
+    """It is in no row, and would be in the way of another scene of its number."""
+
+    def fail(simulation):
+        raise SolveError("no solution")
+        yield
+
+    with monkeypatch.context() as patch, pytest.raises(SystemExit):
+        patch.setattr(sweeping.Simulation, "run", fail)
+        run(tmp_path, "0.2", "--folders")
+    assert read_scene(tmp_path / "run-0001").mu == 0.2
+    run(tmp_path, "0.5", "--overwrite")
+    assert sorted(contents(tmp_path)) == [Path("sweep.csv"), Path("sweep.jsonl")]
 
 
 @pytest.mark.parametrize(
