@@ -1,7 +1,10 @@
-"""What ``solver.accuracy`` promises; and a run's error, from two meshes where no reference is known well enough."""
+"""What ``solver.accuracy`` promises; and a run's error where no reference is known well enough, from two meshes and,
+where P changes under friction, from twice the load steps.
+"""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -9,13 +12,16 @@ from ..loading.stepping import SolveError
 from ..scene import Scene, SceneError, accuracy, make_scene
 from ..scene.effects import Effects
 from .checks import Check
-from .comparison import QUANTITIES, compare, of_history, worst
+from .comparison import QUANTITIES, OfStates, compare, of_history, worst
 from .coupled_loop import serves
+from .history import Entry, History
 from .report_data import Comparison
 from .simulation import Simulation
 
 COARSER_MESH = 2.0  # times the fineness
 TOO_COARSE = "more solver.increments or a smaller solver.accuracy may help"
+FIRST_ORDER = 2.0  # an error like the load step is twice what half of that step changes
+SAME_LOAD = 1e-9  # of P: loads that are closer are one
 WELL_KNOWN = 0.3  # of the accuracy asked for: a reference whose own error is larger measures none
 
 
@@ -34,6 +40,14 @@ class Errors:
     def largest(self) -> float:
         """Of all."""
         return _largest(self.last, self.worst)
+
+    def plus(self, more: "Errors") -> "Errors":
+        """The sum of two estimates."""
+        last, worst_state = (
+            {name: abs(error) + abs(others[name]) for name, error in mine.items()}
+            for mine, others in ((self.last, more.last), (self.worst, more.worst))
+        )
+        return Errors(last, worst_state, self.is_estimate or more.is_estimate)
 
     def in_words(self) -> list[str]:
         """The largest of both states, one line each."""
@@ -78,6 +92,9 @@ def judged(
         try:
             other, ratio = coarser(simulation.body.mesh.comm, simulation.scene)
             errors = estimated(simulation, other.run_to_end(), ratio)
+            if load_steps_count(simulation):
+                tell("the same with twice the load steps")
+                errors = errors.plus(of_load_steps(other))
         except (SceneError, SolveError) as reason:  # the run itself is done
             cause = f"the error is not known, as the second mesh fails: {reason}"
             return Check(float("nan"), wanted, cause), {"wanted": wanted, "is_within": False}
@@ -131,3 +148,29 @@ def estimated(simulation: Simulation, other: Simulation, ratio: float) -> Errors
     found = compare(other.history, finer), worst(other.history, finer)
     last, worst_state = ({name: factor * abs(v) for name, v in f.items()} for f in found)
     return Errors(last, worst_state, True)
+
+
+def load_steps_count(simulation: Simulation) -> bool:
+    """Whether a run's states depend on its load steps, whatever the mesh: where P changes under friction."""
+    changes = (a.P != b.P for a, b in pairwise(simulation.schedule) if b.branch != "normal")
+    return "friction in normal stage" in simulation.effects or any(changes)
+
+
+def of_load_steps(simulation: Simulation) -> Errors:
+    """Errors of a finished ``simulation`` from its load steps, estimated with twice as many on its mesh; collective."""
+    scene, history = simulation.scene, simulation.history
+    more = {f"solver.{name}": 2 * getattr(scene.solver, name) for name in ("increments", "normal_increments")}
+    other = Simulation(simulation.body.mesh.comm, make_scene(more, base=scene)).run_to_end()
+    finer = OfStates(list(_at_same_loads(history, other.history)), other.history.dissipated_energy)
+    last, worst_state = (
+        {name: FIRST_ORDER * abs(error) for name, error in found.items()}
+        for found in (compare(history, finer), worst(history, finer))
+    )
+    return Errors(last, worst_state, True)
+
+
+def _at_same_loads(history: History, finer: History) -> Iterator[Entry]:
+    """For each entry of a history that of one with more load steps, in order."""
+    entries = iter(finer.entries)
+    for entry in history.entries:
+        yield next(e for e in entries if np.allclose(e.step.load, entry.step.load, rtol=0, atol=SAME_LOAD))

@@ -170,6 +170,16 @@ def test_estimate_is_no_smaller_than_the_error_and_not_much_larger():
     assert error < estimated < 30 * error
 
 
+@pytest.mark.parametrize("points", ["[1e4, 2e3], [6e3, 1e3], [1e4, -1e3]", "[2e4, 5.5e3]"])
+def test_estimate_knows_what_few_load_steps_do(points):
+    """One load step from point to point: both meshes have the same error of the energy, 3e-3 and 5e-2."""
+    path = simulated(parse(PATH.format(points), ("solver.accuracy=2e-3", "solver.increments=1")))
+    error = max(map(abs, deviations(path).values()))
+    check, found = estimate.judged(path, None)
+    assert found["is_estimate"] and error < 1.5 * check.value < 6 * error
+    assert not check.holds
+
+
 def test_command_says_expected_and_found(tmp_path):
     done = run_command("--accuracy", "1e-2", "--output", tmp_path)
     assert done.returncode == 0, done.stderr
