@@ -115,7 +115,9 @@ def _strain(scene: Scene) -> str:
     if not scene.bulk_strain:
         return ""
     sense = "tension" if scene.bulk_strain > 0 else "compression"
-    size = f"{scene.bulk_strain:.4g} ({sense} at +Q_A)"
+    phase = scene.bulk_phase
+    lag = f"{phase:g}° after" if phase and phase != "constant" else "at"
+    size = f"{scene.bulk_strain:.4g} ({sense} {lag} +Q_A)"
     return f" The body is strained along the surface by {size}, {strain_course(scene)}."
 
 

@@ -286,6 +286,8 @@ WITHOUT_POWER_LAW = {"k": None, "y0_over_a0": None}
         ({}, ["210 GPa", "the Holl ratio", "1 MN/m", "Q_A = 0.9 μP = 270 kN/m, then once to −Q_A and back"]),
         ({"load.cycles": 3, "solid.nu": 0.3}, ["ratio 0.3.", "then 3 times"]),
         ({"load.cycles": 0}, ["stays there"]),
+        ({"load.bulk_strain": -1e-4}, ["by -0.0001 (compression at +Q_A), with Q."]),
+        ({"load.bulk_strain": 2e-4, "load.bulk_phase": 180}, ["by 0.0002 (tension 180° after +Q_A), 180° behind Q."]),
         ({"effects.grading": False}, ["a homogeneous half-plane of modulus 210 GPa"]),
         ({"indenter": {"profile": "formula", "formula": "x^2/R", "R": 0.1}}, ["f(x) = x^2/R in metres, R = 100 mm"]),
         (
