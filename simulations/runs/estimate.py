@@ -1,5 +1,5 @@
 """What ``solver.accuracy`` promises; and a run's error where no reference is known well enough, from two meshes and,
-where P changes under friction, from twice the load steps.
+where load steps count, from twice as many of them.
 """
 
 from collections.abc import Callable, Iterator
@@ -151,9 +151,12 @@ def estimated(simulation: Simulation, other: Simulation, ratio: float) -> Errors
 
 
 def load_steps_count(simulation: Simulation) -> bool:
-    """Whether a run's states depend on its load steps, whatever the mesh: where P changes under friction."""
-    changes = (a.P != b.P for a, b in pairwise(simulation.schedule) if b.branch != "normal")
-    return "friction in normal stage" in simulation.effects or any(changes)
+    """Whether a run's states depend on its load steps, whatever the mesh: where P changes under friction, and where the
+    body's strain lags behind Q.
+    """
+    pairs = pairwise(simulation.schedule)
+    turning = any(step.angle or step.P != before.P for before, step in pairs if step.branch != "normal")
+    return turning or "friction in normal stage" in simulation.effects
 
 
 def of_load_steps(simulation: Simulation) -> Errors:

@@ -180,6 +180,17 @@ def test_estimate_knows_what_few_load_steps_do(points):
     assert not check.holds
 
 
+def test_estimate_knows_what_few_load_steps_do_to_a_strain_that_lags():
+    """Four load steps a quarter leave 3 % of the energy out."""
+    lag = "load.bulk_strain=2e-4", "load.bulk_phase=90", "solver.accuracy=1e-2"
+    lag += "solid.k=0", "solid.nu=0.3", "effects.coupling=false"
+    few, many = (simulated(parse(DEFAULT_SCENE, (*lag, f"solver.increments={steps}"))) for steps in (4, 24))
+    error = abs(few.history.dissipated_energy / many.history.dissipated_energy - 1)
+    check, found = estimate.judged(few, None)
+    assert 0.01 < error < 1.5 * found["errors"]["dissipated_energy"] < 6 * error
+    assert not check.holds
+
+
 def test_command_says_expected_and_found(tmp_path):
     done = run_command("--accuracy", "1e-2", "--output", tmp_path)
     assert done.returncode == 0, done.stderr
