@@ -75,6 +75,7 @@ def test_power_profiles(k, m):
         for x in (0.701, 0.8, 30.0):
             exact = medium.relative_displacement(n, mp.mpf(x), a)
             assert relative_error(contact.relative_displacement(x), exact) < RTOL
+            assert contact.relative_displacement(-x) == contact.relative_displacement(x)
     if k > 0:
         assert relative_error(contact.indentation, medium.displacement(n, mp.mpf(0), a)) < RTOL
         for x in (0.3, 0.71, 30.0):
