@@ -20,7 +20,7 @@ from analytic.half_plane.operator import (
     nodal_integrals,
 )
 from analytic.half_plane.surface_kernel import PowerLawKernel
-from analytic.point_force import point_force_displacement
+from analytic.point_force import point_force_displacement, point_force_stress
 
 EXPONENTS = [-0.9, -0.5, -1e-8, 0.0, 1e-8, 0.3, 0.9]
 RATIOS = [-0.4, 0.0, 0.3, 0.5]
@@ -48,6 +48,24 @@ def test_kernel_is_the_point_force_field_on_the_surface(k, nu):
         # at |x| far below and above y0 alike: u_x of P is odd, and reciprocity gives u_y of Q
         assert normal_x == pytest.approx(sign * D, rel=1e-12, abs=1e-15)
         assert tangential_y == pytest.approx(-sign * D, rel=1e-12, abs=1e-15)
+
+
+@pytest.mark.parametrize("k", [-0.5, 0.0, 0.6])
+@pytest.mark.parametrize("force", ["P", "Q"])
+def test_point_force_stress_is_that_of_its_displacement(k, force):
+    """Hooke's law in plane strain, with strains by central differences; the other force is 0 where it is not given."""
+    solid, x, y, step = kernel_of(k).solid, np.array([-0.7, 0.2, 0.5]), np.array([0.3, 0.4, 0.1]), 1e-4
+
+    def change(dx, dy):
+        ahead, behind = (point_force_displacement(solid, x + s * dx, y + s * dy, **{force: 2.0}, fixed_depth=0.7) for s in (1, -1))
+        return (ahead - behind) / (2 * step)
+
+    (xx, yx), (xy, yy) = change(step, 0.0), change(0.0, step)
+    shear = solid.modulus(y) / (2 * (1 + solid.nu))
+    pressed = 2 * shear * solid.nu / (1 - 2 * solid.nu) * (xx + yy)
+    expected = [pressed + 2 * shear * xx, pressed + 2 * shear * yy, shear * (xy + yx)]
+    stress = point_force_stress(solid, x, y, **{force: 2.0})
+    np.testing.assert_allclose(stress, expected, atol=1e-5 * np.abs(stress).max())
 
 
 @pytest.mark.parametrize("nu", RATIOS)
