@@ -137,6 +137,14 @@ def test_order_of_the_basis():
             assert error(state, other.traction_at(state.x), state.traction) < 2e-5
 
 
+def test_energy_without_states_just_after_a_turn(monkeypatch):
+    """There the motion is continued to the turn: from a fifth of the branch on the energy keeps four digits."""
+    solver, path = CoupledLoop(solid_of(0.3), PROFILE, P, MU, order=8), loads(0.6 * MU * P, 1, -1)
+    usual = [state.dissipated_energy for state in solver.run(path)]
+    monkeypatch.setattr("analytic.coupled.branch.FIRST", 0.2)
+    assert [state.dissipated_energy for state in solver.run(path)] == pytest.approx(usual, rel=5e-5)
+
+
 def test_pressure_in_closed_form():
     """Where p follows from r alone, u_y + f is constant in contact and u_x in stick as the kernels have it."""
     state = loop(0.0, 0.3, 0.6, 0.6)[1]
@@ -244,13 +252,17 @@ def test_states_just_after_such_loads_are_not_certain():
 
 
 def test_load_steps_keep_what_sticks():
-    """So many small load steps do not wear off q where it sticks: at old edges of stick it was off by 1.3 %."""
+    """So many small load steps do not wear off q where it sticks: at old edges of stick it was off by 1.3 %. The indenter
+    moves as in so many load steps too.
+    """
     solid, Q_A = solid_of(-0.3, 0.0), 0.6 * MU * P
     shares = np.geomspace(0.05, 1.0, 30)
     up, down = ([(P, share * Q_A) for share in way] for way in (shares, 1 - shares))
-    state = HalfPlaneContact(solid, PROFILE, MU, nodes=150).run([(P, 0.0), *up, *down])[-1]
-    exact = CoupledLoop(solid, PROFILE, P, MU).where_known(loads(Q_A, 1, 0))[-1]
-    assert error(state, state.traction, exact.traction_at(state.x)) < 4.5e-3
+    states = HalfPlaneContact(solid, PROFILE, MU, nodes=150).run([(P, 0.0), *up, *down])
+    _, turned, exact = CoupledLoop(solid, PROFILE, P, MU).where_known(loads(Q_A, 1, 0))
+    assert error(states[-1], states[-1].traction, exact.traction_at(states[-1].x)) < 4.5e-3
+    for state, other in ((states[len(up)], turned), (states[-1], exact)):
+        assert (state.delta_x, state.delta_y) == pytest.approx((other.delta_x, other.delta_y), rel=1e-3)
 
 
 @pytest.mark.parametrize("k, nu, mu, share", [(0.627, 0.493, 0.0211, 0.323), (0.369, 0.06, 0.0317, 0.214)])
