@@ -53,9 +53,16 @@ def test_the_default_mesh_is_accurate_at_every_load_step(k, amplitude, allowed):
     assert worst(simulation.history, springs)["traction_l2"] < allowed
 
 
-def test_points_that_leave_contact_gain_no_energy():
-    """With one load step from point to point: they go on the other way after they have left."""
-    scene = """
+@pytest.mark.parametrize(
+    "points, increments, allowed",
+    [("[1e5, 0], [1e5, 3.5e4], [2e4, -7e3], [1e5, -7e3]", 1, 0.04), ("[1e5, 0], [6e4, 2.2e4]", 4, 5e-3)],
+    ids=["one load step from point to point", "slip that grows ever faster while P falls"],
+)
+def test_energy_while_P_changes(points, increments, allowed):
+    """No point gains any: those that leave contact go on the other way. Of a point's slip more belongs to the end of a
+    step than to its start, where p is another: without it the second energy is off by 1.6 %.
+    """
+    scene = f"""
 [solid]
 modulus = "homogeneous"
 E0 = 70e9
@@ -64,13 +71,13 @@ nu = 0.3
 R = 0.02
 [load]
 mu = 0.4
-points = [[1e5, 0], [1e5, 3.5e4], [2e4, -7e3], [1e5, -7e3]]
+points = [{points}]
 """
-    sets = {"effects__coupling": "false", "solver__increments": 1, "mesh__first_layer": 0.01}
+    sets = {"effects__coupling": "false", "solver__increments": increments, "mesh__first_layer": 0.01}
     simulation = coarse_simulation(scene, **sets).run_to_end()
     exact = Springs(simulation.contact, simulation.mu, simulation.schedule)
     assert min(simulation.history.work) >= 0.0
-    assert simulation.history.dissipated_energy == pytest.approx(exact.dissipated_energy(), rel=0.04)
+    assert simulation.history.dissipated_energy == pytest.approx(exact.dissipated_energy(), rel=allowed)
 
 
 def test_no_stick_zone_is_wider_than_the_contact():
