@@ -252,8 +252,9 @@ def test_states_just_after_such_loads_are_not_certain():
 
 
 def test_load_steps_keep_what_sticks():
-    """So many small load steps do not wear off q where it sticks: at old edges of stick it was off by 1.3 %. The indenter
-    moves as in so many load steps too.
+    """So many small load steps do not wear off q where it sticks: at old edges of stick it was off by 1.3 %.
+
+    The indenter moves as far as in the loop without load steps.
     """
     solid, Q_A = solid_of(-0.3, 0.0), 0.6 * MU * P
     shares = np.geomspace(0.05, 1.0, 30)

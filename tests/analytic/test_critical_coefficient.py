@@ -6,7 +6,13 @@ import numpy as np
 import pytest
 
 from analytic import GradedHalfPlane, PowerLawKernel
-from analytic.half_plane.critical_friction import RateOperator, critical_friction, largest_unique, smallest_singular
+from analytic.half_plane.critical_friction import (
+    RateOperator,
+    critical_friction,
+    largest_unique,
+    sliver_singular,
+    smallest_singular,
+)
 
 SIGNS = {"+": 1.0, "-": -1.0, "0": 0.0}
 
@@ -48,6 +54,13 @@ def test_search_finds_slivers_at_the_edges_of_contact(k, elements, pattern):
     """The smallest that descents from hundreds of random patterns find."""
     rates = operator(k, 0.0, elements)
     assert smallest_singular(rates)[0] <= rates.singular(signs(pattern))[0] * (1 + 1e-9)
+
+
+def test_a_sliver_beside_stick_is_nearly_the_smallest():
+    rates = operator(0.0, 0.0, 12)
+    mu, pattern = sliver_singular(rates, 10)
+    assert mu == pytest.approx(rates.singular(signs(pattern))[0], rel=1e-12)
+    assert mu == pytest.approx(smallest_singular(rates)[0], rel=1e-3)
 
 
 @pytest.mark.parametrize("k, nu", [(-0.5, 0.0), (0.0, 0.0), (0.3, 0.3)])

@@ -57,7 +57,8 @@ def test_point_force_stress_is_that_of_its_displacement(k, force):
     solid, x, y, step = kernel_of(k).solid, np.array([-0.7, 0.2, 0.5]), np.array([0.3, 0.4, 0.1]), 1e-4
 
     def change(dx, dy):
-        ahead, behind = (point_force_displacement(solid, x + s * dx, y + s * dy, **{force: 2.0}, fixed_depth=0.7) for s in (1, -1))
+        ends = ((x + sign * dx, y + sign * dy) for sign in (1, -1))
+        ahead, behind = (point_force_displacement(solid, *end, **{force: 2.0}, fixed_depth=0.7) for end in ends)
         return (ahead - behind) / (2 * step)
 
     (xx, yx), (xy, yy) = change(step, 0.0), change(0.0, step)
