@@ -191,6 +191,11 @@ def test_estimate_knows_what_few_load_steps_do_to_a_strain_that_lags():
     assert not check.holds
 
 
+def test_the_largest_error_may_be_negative():
+    errors = estimate.Errors({"pressure_l2": 0.1, "dissipated_energy": -0.2}, {"pressure_l2": 0.15}, False)
+    assert errors.largest == errors.summary()["largest_error"] == 0.2
+
+
 def test_command_says_expected_and_found(tmp_path):
     done = run_command("--accuracy", "1e-2", "--output", tmp_path)
     assert done.returncode == 0, done.stderr
