@@ -42,9 +42,9 @@ class Errors:
         return _largest(self.last, self.worst)
 
     def plus(self, more: "Errors") -> "Errors":
-        """The sum of two estimates."""
+        """The sum of two estimates, of which the second may know less."""
         last, worst_state = (
-            {name: abs(error) + abs(others[name]) for name, error in mine.items()}
+            {name: abs(error) + abs(others.get(name, 0.0)) for name, error in mine.items()}
             for mine, others in ((self.last, more.last), (self.worst, more.worst))
         )
         return Errors(last, worst_state, self.is_estimate or more.is_estimate)
@@ -92,9 +92,10 @@ def judged(
         try:
             other, ratio = coarser(simulation.body.mesh.comm, simulation.scene)
             errors = estimated(simulation, other.run_to_end(), ratio)
-            if load_steps_count(simulation):
+            depend = of_load_steps_too(simulation)
+            if depend:
                 tell("the same with twice the load steps")
-                errors = errors.plus(of_load_steps(other))
+                errors = errors.plus(of_load_steps(other, depend))
         except (SceneError, SolveError) as reason:  # the run itself is done
             cause = f"the error is not known, as the second mesh fails: {reason}"
             return Check(float("nan"), wanted, cause), {"wanted": wanted, "is_within": False}
@@ -150,23 +151,27 @@ def estimated(simulation: Simulation, other: Simulation, ratio: float) -> Errors
     return Errors(last, worst_state, True)
 
 
-def load_steps_count(simulation: Simulation) -> bool:
-    """Whether a run's states depend on its load steps, whatever the mesh: where P changes under friction, and where the
-    body's strain lags behind Q.
+def of_load_steps_too(simulation: Simulation) -> set[str]:
+    """Which quantities of a run depend on its load steps, whatever the mesh.
+
+    All where P changes under friction, and where the body's strain lags behind Q; at constant P the energy alone, but
+    with neither coupling nor elastic slip it is exact.
     """
-    pairs = pairwise(simulation.schedule)
+    pairs, scene = pairwise(simulation.schedule), simulation.scene
     turning = any(step.angle or step.P != before.P for before, step in pairs if step.branch != "normal")
-    return turning or "friction in normal stage" in simulation.effects
+    if turning or "friction in normal stage" in simulation.effects:
+        return set(QUANTITIES)
+    return {"dissipated_energy"} if "coupling" in simulation.effects or scene.effects.elastic_slip else set()
 
 
-def of_load_steps(simulation: Simulation) -> Errors:
-    """Errors of a finished ``simulation`` from its load steps, estimated with twice as many on its mesh; collective."""
+def of_load_steps(simulation: Simulation, names: set[str]) -> Errors:
+    """Errors by name of a finished ``simulation`` from its load steps, estimated with twice as many; collective."""
     scene, history = simulation.scene, simulation.history
     more = {f"solver.{name}": 2 * getattr(scene.solver, name) for name in ("increments", "normal_increments")}
     other = Simulation(simulation.body.mesh.comm, make_scene(more, base=scene)).run_to_end()
     finer = OfStates(list(_at_same_loads(history, other.history)), other.history.dissipated_energy)
     last, worst_state = (
-        {name: FIRST_ORDER * abs(error) for name, error in found.items()}
+        {name: FIRST_ORDER * abs(error) for name, error in found.items() if name in names}
         for found in (compare(history, finer), worst(history, finer))
     )
     return Errors(last, worst_state, True)

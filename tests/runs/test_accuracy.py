@@ -191,6 +191,18 @@ def test_estimate_knows_what_few_load_steps_do_to_a_strain_that_lags():
     assert not check.holds
 
 
+@pytest.mark.parametrize(
+    "effect", [("solid.nu=-0.2", "load.amplitude=0.5"), ("solid.nu=0.1", "effects.elastic_slip=1e-7")]
+)
+def test_estimate_knows_what_few_load_steps_do_to_the_energy_of_a_loop(effect):
+    """One load step a quarter; what the meshes alone tell is less than half of the error."""
+    loop = "reference.kind=none", "solver.accuracy=1e-2", *effect
+    few, many = (simulated(parse(DEFAULT_SCENE, (*loop, f"solver.increments={steps}"))) for steps in (1, 12))
+    error = abs(few.history.dissipated_energy / many.history.dissipated_energy - 1)
+    _, found = estimate.judged(few, None)
+    assert 1e-3 < error < 1.5 * found["errors"]["dissipated_energy"] < 6 * error
+
+
 def test_the_largest_error_may_be_negative():
     errors = estimate.Errors({"pressure_l2": 0.1, "dissipated_energy": -0.2}, {"pressure_l2": 0.15}, False)
     assert errors.largest == errors.summary()["largest_error"] == 0.2
