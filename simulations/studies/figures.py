@@ -49,9 +49,10 @@ def main(arguments: list[str]):
             on_root(partial(save, figure, folder, f"figure{number}"))
     if comm.rank == 0:
         say("\n" + "\n".join(lines(found)))
-        say(f"\nwritten to {folder}: " + ", ".join(f"figure{n}.pdf, figure{n}.png" for n in numbers))
+        pictures = ", ".join(f"figure{n}.pdf, figure{n}.png" for n in numbers)
         if page is not None:
             write_text(page, text_of(found, folder, page))
+        say(f"\nwritten to {folder}: {pictures}" + (f"; {page}" if page else ""))
 
 
 def read(arguments: list[str]) -> tuple[list[int], Path, Path | None]:

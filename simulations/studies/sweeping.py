@@ -81,7 +81,7 @@ def sweep(
         raise SceneError(f"output = {shown(output)} is not allowed: the name of a folder")
     if folders and output is None:
         raise SceneError(f"folders = {shown(folders)} is not allowed without output: the name of a folder")
-    if isinstance(executor, ThreadPoolExecutor):
+    if isinstance(executor, ThreadPoolExecutor) or not isinstance(executor, Executor | None):
         words = "PETSc does not run in several threads at once; a ProcessPoolExecutor that spawns does"
         raise SceneError(f"executor = {type(executor).__name__} is not allowed: {words}")
     items = items_of(text, sets, cases, output if folders else None)
