@@ -145,7 +145,9 @@ def anchors_of_stopped(x, before: Surface, after: Surface, side: int, touch, sta
         began = start if np.isfinite(start) else float(x[inner])
         return Curve(stopped, touch[stopped] + (after.s[outer] - touch[outer]) * share, began)
     behind = outwards[np.argmin(np.abs(x[outwards] - (x[inner] - side * min(length, drawn))))]
-    return Curve(stopped, smooth(x, after.s, [behind, inner, outer], x[stopped]), start)
+    beside = outwards[max(first - 3, 0)]  # the node before: the curve goes on without a kink
+    curve = np.where(side * x < side * x[outer], touch, after.s)  # points behind may have slid on
+    return Curve(stopped, smooth(x, curve, [behind, beside, inner, outer], x[stopped]), start)
 
 
 def without_kink(x, before: Surface, after: Surface, side: int, touch) -> np.ndarray:

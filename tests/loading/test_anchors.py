@@ -116,6 +116,21 @@ def test_points_that_stop_lie_on_the_curve_that_the_edge_of_stick_has_drawn():
         assert anchors == pytest.approx(curve[points], abs=1e-12)
 
 
+def test_the_curve_goes_on_without_a_kink_though_points_behind_have_slid_on():
+    """From where it was drawn before, with the slope that it had there, through the point at the edge.
+
+    With its third derivative the curve is known, so that a parabola through three of its points would not do. Those
+    that stopped before, and slide again, are left out by where they stopped.
+    """
+    curve = X**3
+    before, after = touching(0.8, s=curve, stick=0.4), touching(1.0, s=curve, stick=0.6)
+    after.s[np.abs(X) < 0.37] += 0.1
+    for side in (-1, 1):
+        points, anchors, _ = anchors_of_stopped(X, before, after, side, curve, 0.0)
+        assert len(points) == np.count_nonzero((X > 0.4) & (X <= 0.6))
+        assert anchors == pytest.approx(curve[points], abs=1e-12)
+
+
 def test_a_point_that_slides_still_among_those_that_stop_is_on_their_curve():
     """It slides because it was anchored elsewhere: left there, it and all further inside would never be anchored."""
     curve = X * np.abs(X)
