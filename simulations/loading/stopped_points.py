@@ -14,7 +14,7 @@ from ..fem.surface_points import SIDES
 from .contact_points import BESIDE, Surface, edge_of_contact, leading
 
 CUT = 4  # points that reach over the facet which an edge of contact cuts
-OUT = 2  # points outside of that facet which are anchored with those that it reaches over
+OUT = 2  # points beside that facet: outside, anchored with those that it reaches over; at the edge, they may stick
 DRAWN = 0.3  # least length of an edge's curve up to now, over that in this step, from which it goes on
 SLIVER = 0.06  # least width of a band of slip that an edge of stick draws through, over how far that of contact came
 FOLLOWS = 2.0  # times as far as the edge of contact that of stick goes which follows it; further it goes in a reversal
@@ -92,6 +92,9 @@ def anchors_of_stopped(x, before: Surface, after: Surface, side: int, touch, sta
     """
     contact = np.flatnonzero(after.states != OPEN)
     outwards = contact if side > 0 else contact[::-1]
+    at_edge = leading(after.states[outwards][::-1] == CLOSED)
+    if at_edge <= OUT < len(outwards):  # they stick in the facet that the edge of contact cuts, beyond those that slide
+        outwards = outwards[: len(outwards) - at_edge]
     states, old = after.states[outwards], before.states[outwards]
     sliding = leading(states[::-1] == states[-1]) if states[-1] != CLOSED else 0
     edge = len(outwards) - sliding

@@ -131,6 +131,17 @@ def test_the_curve_goes_on_without_a_kink_though_points_behind_have_slid_on():
         assert anchors == pytest.approx(curve[points], abs=1e-12)
 
 
+def test_points_that_stick_at_the_edge_of_contact_do_not_end_the_curve():
+    """One or two of them, beyond those that slide: else what stops would stay where it is, and q would have a spike."""
+    curve = X * np.abs(X)
+    before, after = touching(0.8, s=curve, stick=0.4), touching(1.0, s=curve, stick=0.6)
+    after.states[np.abs(np.abs(X) - 0.9875) < 0.02] = CLOSED
+    for side in (-1, 1):
+        points, anchors, _ = anchors_of_stopped(X, before, after, side, curve, 0.0)
+        assert np.array_equal(np.sort(points), np.flatnonzero((side * X > 0.4) & (side * X <= 0.6)))
+        assert anchors == pytest.approx(curve[points], abs=1e-12)
+
+
 def test_a_point_that_slides_still_among_those_that_stop_is_on_their_curve():
     """It slides because it was anchored elsewhere: left there, it and all further inside would never be anchored."""
     curve = X * np.abs(X)
