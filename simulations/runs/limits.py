@@ -251,7 +251,8 @@ def check_round_off(scene: Scene, cells: Grading, problem: ContactProblem):
     """
     attainable = OVER_ROUND_OFF * problem.terms.force_per_digit
     if attainable > ATTAINABLE:
-        thicker = cells.first_layer * (attainable / ATTAINABLE) ** (1 / (1 - min(scene.k, 0.0)))
+        thicker = cells.first_layer * (attainable / ATTAINABLE) ** (1 / (1 - scene.k))
+        thicker *= cells.layer_growth  # layers fit the domain: the first may be lower by this factor
         raise SceneError(
             f"mesh.first_layer = {cells.first_layer:g} is too thin for k = {scene.k:g} and solver.gamma0 = "
             f"{scene.solver.gamma0:g}: round-off would leave forces of {attainable:.0e} P unbalanced "

@@ -188,6 +188,16 @@ def test_what_a_refusal_asks_for_is_accepted(name):
     coarse_simulation(**changes | {"mesh__edge_facet": needed, "mesh__first_layer": needed})
 
 
+@pytest.mark.parametrize("k", [-0.3, 0.3])
+def test_a_first_layer_that_a_refusal_asks_for_is_accepted(k):
+    """For k > 0 the height of the surface cells is that of the mesh depth s = y^(1-k)."""
+    stiff = UNCOUPLED | {"solid__k": k, "solver__gamma0": 1e6}
+    with pytest.raises(SceneError, match="too thin") as refusal:
+        coarse_simulation(**stiff, mesh__first_layer=1e-7)
+    needed = float(str(refusal.value).rsplit(" or more", 1)[0].rsplit(maxsplit=1)[-1])
+    coarse_simulation(**stiff, mesh__first_layer=needed)
+
+
 @pytest.mark.parametrize("ranks", [1, 2])
 def test_refusal_as_the_user_sees_it(tmp_path, ranks):
     done = run_command(*coarse_arguments(tmp_path, load__amplitude=0.01), ranks=ranks, timeout=120)
