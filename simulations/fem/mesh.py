@@ -31,8 +31,8 @@ class Grading:
     edges: positions where pressure or traction end like a root, graded down to ``edge_facet``; sweeps: intervals
     (from, to, facet length) over which such an edge moves, or places (x, x, facet length) where it stops;
     facet: largest facet under the cylinder; growth, layer_growth: ratio of neighbouring columns, layers;
-    first_layer: height of the surface cells; extent: half-width and depth of the domain; edge_at: where in its facet
-    an edge or a stop lies, from 0 at the inner end to 1; -1: wherever it falls; unknown: why edges were not found.
+    first_layer: height of the surface cells, less for k > 0; extent: half-width and depth of the domain; edge_at: where
+    in its facet an edge or a stop lies, from 0 at the inner end to 1; -1: anywhere; unknown: why edges were not found.
     """
 
     edges: tuple[float, ...]
@@ -82,10 +82,10 @@ def _least(x, places, sizes, slope):
 
 
 def columns(grading: Grading) -> np.ndarray:
-    """Ordinates (n,) of the columns, from -extent to extent, spaced as ``facet_size`` wants.
+    """Abscissae (n,) of the columns, from -extent to extent, spaced as ``facet_size`` wants.
 
-    Nodes equidistribute 1/facet_size, an even number of columns: symmetric edges give a symmetric mesh, to the last
-    digit, as slender cells in the depth would feel it. Without ``edge_at`` no node is placed beside an edge on purpose.
+    Nodes equidistribute 1/facet_size, an even number of columns. Symmetric edges give a mesh symmetric to the last
+    digit: slender cells beside the axis need that. Without ``edge_at`` no node is placed beside an edge on purpose.
     """
     extent = grading.extent
     clouds = [np.linspace(-extent, extent, 4001), 2 * np.linspace(-grading.strip, grading.strip, 4001)]
@@ -127,8 +127,8 @@ def _placed(edges, first: int, at: float, columns: int) -> np.ndarray:
 def layers(grading: Grading, depth: DepthMap, kink: float = np.inf) -> np.ndarray:
     """Mesh depths (n,) of the layers, from the surface to ``extent``, one of them at the depth ``kink`` of E(y).
 
-    In physical depth they grow from ``first_layer`` by ``layer_growth``: y_i = r (growth^i - 1). In a mesh depth
-    s = y^(1/m) the field varies on the scale (r + y)^(1/m), which grows by growth^(1/m) a layer.
+    For k <= 0 they grow from ``first_layer`` by ``layer_growth``: y_i = r (growth^i - 1). In a mesh depth s = y^(1/m)
+    the field varies on the scale (r + y)^(1/m): s_i = r^(1/m) (growth^(i/m) - 1). All are scaled to end at ``extent``.
     """
     start = depth.s(grading.first_layer / (grading.layer_growth - 1))
     growth = grading.layer_growth ** (1 / depth.m)

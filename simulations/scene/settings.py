@@ -24,7 +24,7 @@ class Mesh(Table):
         default=1e-3, ge=1e-6, le=0.5, description="smallest facet, at the edges of contact and stick"
     )
     growth: Dimensionless = Field(default=1.3, ge=1.02, le=3, description="ratio of neighbouring columns")
-    first_layer: HalfWidths = Field(default=1e-3, ge=1e-7, le=0.5, description="height of the surface cells")
+    first_layer: HalfWidths = Field(default=1e-3, ge=1e-7, le=0.5, description="height of surface cells (k > 0: less)")
     layer_growth: Dimensionless = Field(default=1.3, ge=1.02, le=3, description="ratio of neighbouring layers")
     edge_at: Annotated[Dimensionless, Field(ge=0, le=1)] | None = Field(
         default=None,
