@@ -17,7 +17,7 @@ from .simulation import Simulation
 from .step_free import StepFree
 
 HALVINGS = 3  # of the load steps of a mesh-free solution that is known too badly to judge a run
-ROUGH_TIMES, ROUGH_INCREMENTS = 20.0, 20  # of a load step over one of the rough edges' of a loop, which makes so many
+ROUGH_TIMES = 20.0  # of a path over its rough edges, of as many load steps; of a loop these take as long as a step
 
 
 def closed_form(simulation: Simulation) -> Springs | StretchedForm | None:
@@ -44,8 +44,8 @@ def expected_seconds(simulation: Simulation) -> float:
     seconds = simulation.watch.seconds.get("edges", 0.0)
     if grades(simulation.scene, effects):
         return seconds  # the edges are the reference's; its error takes as long again
-    shares = len(simulation.schedule) / (ROUGH_INCREMENTS if simulation.scene.is_loop else len(simulation.schedule))
-    return ROUGH_TIMES * shares * steps_for_one(simulation) / FINER * seconds
+    times = len(simulation.schedule) if simulation.scene.is_loop else ROUGH_TIMES
+    return times * steps_for_one(simulation) / FINER * seconds
 
 
 def of_same_physics(simulation: Simulation, tell: Tell | None = None) -> Reference:
@@ -71,7 +71,7 @@ def of_same_physics(simulation: Simulation, tell: Tell | None = None) -> Referen
 
 
 def _since_turns(simulation, tell) -> MeshFree | None:
-    """With load steps that grow from each turn: points come into contact in stick up to one. None where its error is
+    """With load steps that grow from each turn: points come into contact in stick before it. None where its error is
     larger than a run's may be: small slip zones drift in so many steps.
     """
     try:
