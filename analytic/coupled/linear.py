@@ -48,7 +48,7 @@ def solve(base, friction, edges, layout, Q) -> Solution:
     odd_s = rule.odd(x, k)
 
     def of_limit(nodes, weights, contracted):
-        """Of r at nodes: u_x in stick without what is constant, ∫ p, ∫ r, ∫ r/w over half."""
+        """Of r at nodes: u_x in stick without what is constant, ∫ p, ∫ r, ∫ r/w."""
         weight = contact.weight(nodes)
         t, left, right = contact.local(nodes)
         cauchy = weights / np.pi / (rule.x[:, None] - nodes)

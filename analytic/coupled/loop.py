@@ -18,9 +18,9 @@ ORDER = 10  # of the basis, which also says at how many loads a branch is solved
 
 @dataclass(frozen=True)
 class CoupledLoop:
-    """Rigid even convex profile on a graded half-plane, pressed without friction by P, and then loaded by Q.
+    """Rigid profile on a graded half-plane, pressed without friction by P, and then loaded by Q.
 
-    solid: a GradedHalfPlane; profile: a PowerProfile or Profile; P: line load [stress x length]; mu: friction
+    solid: a GradedHalfPlane; profile: a PowerProfile of an even power; P: line load [stress x length]; mu: friction
     coefficient; coupling: False leaves out the coupling kernel; order: of the basis, see ``stick``.
     Between two turns of Q the state depends on that at the first turn only: where it sticks its displacement is that
     at the turn, elsewhere |q| = mu p. So each state is found directly, and does not depend on those before it.

@@ -19,7 +19,7 @@ class Numbering:
         self._degree = body.degree
         self._x, self._s = (_with_nodes_between(nodes, self._degree) for nodes in (x, s))
         self.shape = len(self._s), len(self._x)
-        self._places: list[tuple[np.ndarray, np.ndarray, int]] = []  # index in ``state``, place, rows owned
+        self._places: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = []  # index in ``state``, place, is owned
         size = body.space.dofmap.index_map.size_local * body.space.dofmap.index_map_bs
         node = _number(body.displacements.tabulate_dof_coordinates(), self._x, self._s)
         dofs = body.dofs.ravel()

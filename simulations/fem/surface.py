@@ -114,7 +114,7 @@ def sliding(state: SurfaceState, mu: float) -> np.ndarray:
 
 
 def fitted_contact_edges(state: SurfaceState, exponents: tuple[float, float]) -> tuple[float, float]:
-    """Left and right edge of the contact, where the pressure ends like a power of the distance: (1+k)/2 in (44)."""
+    """Edges of the contact, where pressure ends like distance to a power, (1+k)/2 in (44); nan for under 4 nodes."""
     first, last = _longest_run(state.x, state.pressure > 0)
     return _edges(state.x, (state.pressure, state.pressure), first, last, exponents)
 
@@ -122,8 +122,8 @@ def fitted_contact_edges(state: SurfaceState, exponents: tuple[float, float]) ->
 def fitted_stick_edges(
     state: SurfaceState, mu: float, direction: int, exponents: Callable[[float], Sequence[float]]
 ) -> tuple[float, float]:
-    """Left and right edge of the stick zone, of several the longest; both are nan when every point slips. Those that
-    less than BAND keeps apart are one.
+    """Left and right edge of the longest stick zone; both are nan where fewer than 4 nodes stick. Zones that are less
+    than BAND apart are one.
 
     The traction's distance from the limit that points beyond an edge slide at, mu p - s q, ends there like a power of
     the distance: (1+k)/2 in (47), and ``exponents`` of s at both edges. s is the sign of q there, which differs between

@@ -54,7 +54,7 @@ def frictional_work(before: Moment, after: Moment, mu: float, k: float, earlier:
 def work_of_pressing(after: Moment, mu: float, k: float, m: float) -> np.ndarray:
     """Energy per area of surface (n,) since first contact of a profile |x|^m that is pressed on with friction.
 
-    Such a contact grows similar to itself [X6]: p = a^(m+k-1) p_1(x/a) and u_x = a^m u_1(x/a), so that its last state
+    Such a contact grows similar to itself: p = a^(m+k-1) p_1(x/a) and u_x = a^m u_1(x/a), so that its last state
     tells of all earlier ones,
 
         ∫ mu p |du_x| = |x|^(2m+k-1) ∫_|x|^a g(ξ) ξ^-(2m+k) dξ,    g = mu p |m u_x - x u_x'|,

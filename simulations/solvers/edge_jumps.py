@@ -130,7 +130,7 @@ class EdgeJumps:
         return used + side * outwards * (self._outwards if outwards > 0 else self._inwards)
 
     def _edges(self, states):
-        """Left edges of contact and stick, and right ones of stick and contact (4,); None without stick."""
+        """Left edges of contact and stick, right ones of stick and contact (4,); None where one is missing."""
         contact, stick = np.flatnonzero(states != OPEN), _stick(states)
         if stick is None or contact[0] == 0 or contact[-1] == len(states) - 1:
             return None

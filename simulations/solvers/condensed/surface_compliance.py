@@ -92,7 +92,7 @@ class SurfaceCompliance:
         body.state.x.scatter_forward()
 
     def _of_part(self, part, strip):
-        """The strip's values (r,) as displacements of a part: twice what ``restrict`` makes of forces on a half."""
+        """The strip's values (r,) as displacements of a part: by ``restrict``, which halves forces on the axis."""
         among = part.among(self.strip)
         return among.restrict(strip) * np.where(among.on_axis, 2.0, 1.0)
 
