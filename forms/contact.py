@@ -41,7 +41,7 @@ def trial_pressure(traction, gap, gamma):
 
 
 def contact_pressure(trial, imposed=None):
-    """p = [ trial ]_+ ; imposed: as in ``slides``, a point that is LIFTED has no pressure; None where none can be."""
+    """p = [ trial ]_+ ; imposed: as in ``slides``: a point that is LIFTED has no pressure; None: nothing is."""
     touches = ufl.gt(trial, 0.0)
     if imposed is not None:
         touches = ufl.And(touches, ufl.lt(imposed, (DRIVEN_FORWARD + LIFTED) / 2))

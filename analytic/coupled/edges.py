@@ -25,7 +25,7 @@ REACHED = 0.99  # share of the way to a place with an amplitude of the other sig
 STICK = ((1, -1), (2, 1))  # edges of stick, and which way is outwards
 
 ARRIVAL = "points come into contact in stick"  # and keep the displacement with which they came
-ARRIVED = 0.02  # distance of stick from the edge of the contact at the turn over the contact, where the search stopped
+ARRIVED = 0.02  # over the contact: a search that ends with stick this close to the old edge of contact has met that
 
 
 def edges_of(y, load, contact):

@@ -26,11 +26,11 @@ class ElasticBody:
     """Mesh, fields and stiffness of the graded half-plane, cut off far from the contact.
 
     far_field: function ``(x, y, P, Q) -> (2, n)`` with the displacement far from the loads; it is prescribed on
-    the outer boundary, so that the domain's size is felt only beyond the resultant loads. strip: half-width of the
-    surface on which contact is looked for. mixed: the mean stress is a field of its own. works: further terms of the
-    virtual work, functions ``(body, v) -> form`` linear in ``body.u``. degree: of the displacements, 1 to 3. A mesh
-    with SYMMETRY facets is the half x > 0 of a symmetric problem. stretched: the body may have a uniform strain along
-    x, ``strain`` (None else), which is an equilibrium by itself; ``state`` is the deviation from it.
+    the outer boundary, so that only moments of the tractions, not their resultants, feel the domain's size. strip:
+    half-width of the surface on which contact is looked for. mixed: the mean stress is a field of its own. works: more
+    terms of the virtual work, functions ``(body, v) -> form`` linear in ``body.u``. degree: of the displacements, 1 to
+    3. A mesh with SYMMETRY facets is the half x > 0 of a symmetric problem. stretched: the body may have a uniform
+    strain along x, ``strain`` (None else), which is an equilibrium by itself; ``state`` is the deviation from it.
 
     ``state`` holds all unknowns; ``u`` and ``pi`` (None unless mixed) are its parts in forms, and ``dofs[n, i]`` is the
     index in ``state`` of displacement i of node n. ``solid`` is what forms know of the material.

@@ -61,7 +61,7 @@ class ContactProblem:
     def hold_pressure(self, normal: "ContactProblem"):
         """Hold the pressure that the frictionless problem has now; its state is the body's."""
         assert self.held and normal.terms.pressure  # which stages these are is fixed by their directions
-        self.held.hold(normal.terms.pressure, normal.terms.nodal_forces(Y))  # all of them for theta = 0
+        self.held.hold(normal.terms.pressure, normal.terms.nodal_forces(Y))  # theta is 0 here: there are no others
 
     def _law(self, height, nitsche) -> weak_form.Contact:
         body, points = self.body, self.points

@@ -82,10 +82,10 @@ class EnteringPoints:
         self._start = {side: float(x) for side, x in zip(SIDES, saved["ratios"][2:])}
 
     def end(self):
-        """After the points have come to rest: let open ones beside an edge go on as those inside were anchored.
+        """After the points have come to rest: anchor open ones beside an edge with the r of those inside.
 
-        Their own displacement has the error of the facet that the edge cuts, and that is no part of a path. Were they
-        left there, the next step would anchor them aside of their neighbours, and k < 0 would feel it as a zigzag.
+        Their own displacement has the error of the facet that the edge cuts. With it the next step would anchor them
+        out of line with their neighbours, and for k < 0 the traction would zigzag.
         """
         before, after = self.iteration.before, self.iteration.after
         self._start = self.iteration.starts
@@ -175,7 +175,7 @@ class AnchorIteration:
         return self.touching()
 
     def _change(self, new, old) -> float:
-        """Largest change of anchors over the largest motion, but of points that slide with the new ones as well."""
+        """Largest change of anchors over the largest motion; points that slide with the new ones too do not count."""
         direction = self.after.states - CLOSED  # in which the traction of a point is at its limit
         slides_still = (direction != 0) & (direction * (new - self.after.s) >= 0)
         counts = (self.after.states != OPEN) & ~slides_still

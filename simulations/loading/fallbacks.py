@@ -16,9 +16,9 @@ from ..solvers.newton import Newton, NewtonResult
 class Options:
     """Limits of the load stepping.
 
-    halvings: of a load step, one within the other; anchor_passes: solves for the anchors of points that enter contact,
-    which are settled once they change by less than ``anchors_settled`` of how far they moved, in uncoupled contact,
-    where they are exact, ``anchors_settled_uncoupled``; fallbacks: names of those that are allowed.
+    halvings: of a load step, one within the other; anchor_passes: solves for the anchors of points that enter contact.
+    They are settled once they change by less than ``anchors_settled`` of how far they moved; in uncoupled contact,
+    where they are exact, by less than ``anchors_settled_uncoupled``. fallbacks: names of those that are allowed.
     """
 
     halvings: int = 6

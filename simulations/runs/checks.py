@@ -77,10 +77,10 @@ def check(history: History, height: Callable, cause: Callable[[], str] | None = 
 def check_errors(errors: dict[str, float], own: dict[str, float], stick: float = 0.0) -> dict[str, Check]:
     """Checks of a run's errors beside its reference, by the names of ``comparison.compare``; nan is not known.
 
-    stick: c/a of the reference, as the error of c is judged over a: a narrow stick zone spoils no more than c. nan is
-    a run without one there, as if c were 0; stick = 0: c is not judged.
-    own: of these errors what is the reference's, which is in them and may have made them as much larger again. It
-    excuses no more than twice the limit: a reference that is known less well does not judge the run.
+    stick: c/a of the reference, as the error of c is judged over a: a narrow stick zone spoils no more than c. Where c
+    is nan the run has no stick zone, as if c were 0; stick = 0: c is not judged.
+    own: the reference's part of these errors. It may have made them as much larger again, so twice this part is
+    excused, but no more than twice the limit: a reference that is known less well does not judge the run.
     """
     scaled = errors | {"c": stick * float(np.nan_to_num(errors["c"], nan=-1.0)) if stick else np.nan}
     own = own | {"c": stick * own.get("c", 0.0)}

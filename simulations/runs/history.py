@@ -92,7 +92,7 @@ class History:
     def append(self, outcome: Outcome, surface: SurfaceState, seconds: float) -> Entry:
         """Add the state that ``outcome`` ended with."""
         step, s = outcome.step, surface.relative_displacement
-        ends = sliding(surface, self.mu)[np.flatnonzero(surface.pressure > 0)[[0, -1]]]  # while P changes not the same
+        ends = sliding(surface, self.mu)[np.flatnonzero(surface.pressure > 0)[[0, -1]]]  # they differ while P changes
         x_l, x_r = (self._exponents(s or step.direction)[i] for i, s in zip((0, -1), ends))
         contact = fitted_contact_edges(surface, (x_l, x_r))
         stick, work = contact, np.zeros_like(s)

@@ -30,7 +30,7 @@ SHARE_OF_NODES = 0.75  # nodes for one, and half of the load steps, for an estim
 class MeshFree(OfStates):
     """States of the half-plane solver at the load steps of a simulation; NoReference where it fails.
 
-    nodes: how many at each load step, the next number where one does not converge, and then with how many it did;
+    nodes: numbers of nodes, of which the next is tried where one does not converge, then the one that did converge;
     finer: load steps for one of the simulation, ``steps_for_one`` where not given; tell: called after each. coarser:
     the same with fewer of both, made if ``estimated``: points that enter contact within a load step keep an error of
     first order in it, also at constant P where coupling moves the contact. The difference is about the error of this

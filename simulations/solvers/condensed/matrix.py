@@ -36,8 +36,8 @@ class StripInside:
 class Block:
     """Share of a part in C: displacements ``rows @ dense @ columns.T``, rows (r, h) and columns (c, w) sparse.
 
-    dense: (h, w), those inside the strip first, then those of its interface; loads: (m, w) sparse, forces inside. With
-    them the displacements inside follow from those of the interface, a third of them all.
+    dense: (h, w), those inside the strip first, then those of its interface; loads: (m, w) sparse, forces inside. From
+    these and the displacements of the interface, a third of all, those inside follow.
     """
 
     rows: csr_matrix

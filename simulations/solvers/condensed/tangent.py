@@ -16,7 +16,7 @@ from scipy.sparse import csr_matrix
 
 from .matrix import ComplianceMatrix
 
-FEW = 0.15  # share of rows that change otherwise before another matrix is inverted
+FEW = 0.15  # share of changed rows that neither open nor slide, beyond which another matrix is inverted
 MANY = 0.15  # share of rows that change before the inverse takes up those replaced so far,
 FEWER = 0.5  # if that leaves less than this share of them
 REFINED = 1e-10, 1e-7  # residual of a step, over the load and over what it is to balance, beyond which it is refined
@@ -67,7 +67,7 @@ class DenseTangent:
         self._rebase()
 
     def _choose_base(self, tangent) -> np.ndarray | None:
-        """Rows (mn,) of T other than the base's, which is made one to which they are few; None without a base."""
+        """Rows (mn,) in which T differs from the base, after one with few of them was chosen; None without a base."""
         if self._base is None:
             return None
         changed = _changed(tangent, self._base)
