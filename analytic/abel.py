@@ -62,7 +62,7 @@ class PunchSuperposition:
         return self.compliance * punch_rigid_displacement(self.k) * self._moment(0.0)
 
     def traction(self, x):
-        """p (7) or q (18) [stress]; zero for |x| >= a, infinite under a sharp tip if k <= 0."""
+        """p (7) or q (18) [stress]; zero for |x| >= a, infinite at x = 0 if start = 0 and power + k <= 0."""
         factor = gamma(1 + self.k / 2) / (sqrt(pi) * gamma((1 + self.k) / 2))
         return factor * by_blocks(self._traction, x)
 

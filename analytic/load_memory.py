@@ -81,8 +81,8 @@ class LoadMemory:
     def slip_work(self, load, P, Q):
         """Friction work per punch on the way to P and Q: ∫ mu [P - P(s)] dQ(s) while the punch of P(s) = load slips.
 
-        ∫ of it times D s^(-k-1) ds is the energy dissipated, D as in `ProfileContact.slip_work`. It is a polynomial of
-        the second degree between the loads of ``breaks``.
+        ∫ of it times D s^(-k-1) ds is the energy dissipated, D as in `ProfileContact.slip_work` but with (gk) for (bk).
+        It is a polynomial of the second degree between the loads of ``breaks``.
         """
         start, load, total = (self.P[-1], self.Q[-1]), np.asarray(load, dtype=float), 0.0
         for sign in (1, -1):  # of the friction; its reserve mu P - sign Q falls where punches slip

@@ -16,9 +16,9 @@ from .material import GradedHalfPlane
 def point_force_displacement(solid: GradedHalfPlane, x, y, P=0.0, Q=0.0, fixed_depth=None):
     """Displacement ``(2, ...)`` at ``(x, y)``, y >= 0, of the line forces P along +y and Q along +x at the origin.
 
-    For k <= 0 displacements do not decay and hold only up to a rigid translation: the one taken makes
-    the field of P vanish on the axis at ``y = fixed_depth`` (for k -> 0; of that order otherwise).
-    Without it the field vanishes at infinity. Raises ValueError where that does not exist (k <= 0).
+    For k <= 0 displacements do not decay and hold only up to a rigid translation: with the one taken the
+    field vanishes on the axis at ``y = fixed_depth``. Without ``fixed_depth`` it vanishes at infinity;
+    ValueError for k <= 0, where no such field exists.
     """
     k, nu, beta = solid.k, solid.nu, solid.beta
     if fixed_depth is None and k <= 0:

@@ -68,7 +68,7 @@ class PressingWithFriction:
 
     @cached_property
     def dissipated_energy(self):
-        """Friction work since first contact, per thickness [stress x length²]: 2 ∫∫ mu p |dh_x| dx; of order P a^m."""
+        """Friction work since first contact, per thickness [stress x length²]: 2 ∫∫ mu p |dh_x| dx, like P a^m."""
         m, scale = self.profile.m, self._compliance * self._density**2
         work = abs(self._drag) * self._fields.slip_work(self.power) / (2 * m + self.solid.k)
         return 2 * self.mu * scale * work * self.contact_half_width ** (2 * m + self.solid.k)
@@ -94,7 +94,7 @@ class PressingWithFriction:
     # -- fields ------------------------------------------------------------------------------------
 
     def pressure(self, x):
-        """p(x) [stress]; zero for |x| >= a, infinite under a sharp tip if m + k <= 1."""
+        """p(x) [stress]; zero for |x| >= a, infinite at x = 0 if m + k <= 1 or if every point slips."""
         return self._traction(np.abs(x), self._fields.punch.pressure)
 
     def traction(self, x):

@@ -10,7 +10,7 @@ from .coupled.exponents import oscillation
 from .half_plane.surface_kernel import PowerLawKernel
 from .material import GradedHalfPlane
 
-LARGEST_ANGLE = 1.4  # angle; nearer to the old edge than this tells, points hardly have to move
+LARGEST_ANGLE = 1.4  # of theta: a larger one belongs to points so near to the old edge that they hardly move
 CLOSEST = 1e-6  # distance from the old edge, over the advance
 
 

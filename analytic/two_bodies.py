@@ -7,7 +7,7 @@ from .material import GradedHalfPlane
 
 @dataclass(frozen=True)
 class GradedPair:
-    """Takes the place of a half-plane in every contact; R is then the radius of relative curvature.
+    """Takes the place of a half-plane in closed forms without coupling; R is then that of the relative curvature.
 
     Different exponents k raise ValueError. Normal and tangential problems decouple exactly if both
     bodies are alike or both have the Holl ratio.

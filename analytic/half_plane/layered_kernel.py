@@ -140,7 +140,7 @@ class LayeredKernel:
         u = np.linspace(0, np.arcsinh(self.largest / self.smallest), TABLE)
         x = self.smallest * np.sinh(u)[:, None]
         even = -np.log1p((x / h) ** 2) / (2 * np.pi) @ strength[:, :2]
-        # C_xy = i Im: D sin-transforms with the opposite sign
+        # C_xy is imaginary: the sine transform of D is -Im C_xy
         odd = -np.arctan2(x, h) / np.pi @ strength[:, 2]
         return CubicSpline(u, np.column_stack([even, odd]))
 
