@@ -194,8 +194,8 @@ def add(*effects: Effect):
 
 def remove(*effects: Effect):
     """Undo ``add``."""
-    for effect in effects:
-        ALL.remove(effect)
+    for place in sorted({*map(ALL.index, effects)}, reverse=True):  # all of them, or an error and none
+        del ALL[place]
     _update_keys()
 
 

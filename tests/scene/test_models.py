@@ -171,6 +171,8 @@ def test_an_effect_that_is_added_again_is_there_once():
     effects.add(wear())
     effects.add(again := wear())
     try:
+        with pytest.raises(ValueError, match="not in list"):  # and nothing is removed
+            effects.remove(again, effects.Effect("other", again.judge))
         assert effects.ALL == [*before, again]
     finally:
         effects.remove(again)
