@@ -10,11 +10,11 @@ from dataclasses import dataclass
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
-from annotated_types import Ge, Gt, Le, Lt
+from annotated_types import Ge, Gt, Le, Lt, MaxLen
 from pydantic import BeforeValidator, Field
 from pydantic.fields import FieldInfo
 
-LONGEST_TEXT = 1000  # characters of a text
+LONGEST_TEXT, LONGEST_FORMULA = 1000, 500  # characters of a text, of a formula
 MOST_ON_A_LINE = 10_000  # points
 LARGEST_NUMBER = 1e308  # of a number: beyond it sums overflow
 
@@ -137,7 +137,8 @@ def among(known: tuple[str, ...]) -> Callable[[Any], tuple[str, ...]]:
 Number = Annotated[float, BeforeValidator(_number)]
 Integer = Annotated[int, BeforeValidator(_integer)]
 Truth = Annotated[bool, BeforeValidator(_truth)]
-Text = Annotated[str, BeforeValidator(_text)]
+Text = Annotated[str, BeforeValidator(_text), MaxLen(LONGEST_TEXT)]
+FormulaText = Annotated[Text, MaxLen(LONGEST_FORMULA), Unit("m")]
 Points = Annotated[
     tuple[tuple[float, float], ...],
     BeforeValidator(_points),
@@ -196,7 +197,7 @@ def _in_words(base, marks) -> Iterator[str]:
     elif base is bool:
         yield "true or false"
     elif base is str:
-        yield f"a text in one line of at most {LONGEST_TEXT} characters"
+        yield f"a text in one line of at most {min(m.max_length for m in marks if isinstance(m, MaxLen))} characters"
     elif base in (int, float):
         yield ("an integer" if base is int else "a number") + _range(marks)
     else:

@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 from analytic import GradedHalfPlane
 
 from .errors import SceneError, shown
-from .fields import Integer, Length, LineLoad, Number, Points, Ratio, Stress, Text, Unit, Word, allowed
+from .fields import FormulaText, Integer, Length, LineLoad, Number, Points, Ratio, Stress, Unit, Word, allowed
 from .table import Table, register
 
 Exponent = Annotated[Number, Unit("–"), Field(gt=-1, lt=1, description="exponent of E = E0 (y/y0)^k")]
@@ -158,7 +158,7 @@ class Formula(Indenter):
     """f as arithmetic of x and R."""
 
     profile: Literal["formula"] = "formula"
-    formula: Annotated[Text, Unit("m")] = Field(description="f(x) for x ≥ 0, with x and R in m, convex and 0 at 0")
+    formula: FormulaText = Field(description="f(x) for x ≥ 0, with x and R in m, convex and 0 at 0")
     R: Length | None = Field(default=None, description="R in a formula")
 
 

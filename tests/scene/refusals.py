@@ -220,6 +220,14 @@ REFUSED: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     # formulas
     "formula of code": (by_set(FORMULA, "indenter.formula=__import__('os')"), ("indenter.formula", "arithmetic")),
     "half a formula": (by_set(FORMULA, "indenter.formula=x +"), ("indenter.formula", "arithmetic")),
+    "long formula": (
+        by_set(FORMULA, f"indenter.formula=x**2{'+0*x' * 125}"),
+        ("a text in one line of at most 500 characters",),
+    ),
+    "end within 1.5 a": (
+        by_set(FORMULA, "indenter.formula=x**2/0.2+1e-6*(1.3e-3-sqrt(1.69e-6-x**2))"),
+        ("no finite value at x = 0.00130003, and one is needed up to x = 0.00157",),
+    ),
     "other variable": (by_set(FORMULA, "indenter.formula=y**2"), ("indenter.formula", "arithmetic")),
     "formula without x": (by_set(FORMULA, "indenter.formula=R+1"), ("indenter.formula", "depend on x")),
     "tower of powers": (by_set(FORMULA, "indenter.formula=x*9**9**9"), ("indenter.formula", "no float")),
