@@ -25,7 +25,7 @@ def main(
     default=DEFAULT_SCENE,
     has_friction: bool = True,
 ):
-    """Read the scene, run it, keep what it yields, and print the results beside the closed form."""
+    """Read the scene, run it, keep what it yields, and print the results beside the reference."""
     request = on_root(lambda: read_request(arguments, program, description, default))
     if request.scene.friction and not has_friction:
         raise SceneError(f"load.mu = {request.scene.mu:g} is not allowed with {program}: simulations.fretting takes it")

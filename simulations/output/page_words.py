@@ -27,8 +27,8 @@ CHECKS = {
     "energy >= 0": "dissipated energy below zero, scaled",
     "error of pressure": "error of the pressure at the worst state, less what the reference's own error explains",
     "error of traction": "the same of the traction",
-    "error of a": "the same of the contact half-width",
-    "error of c": "the same of the stick half-width, over the contact half-width",
+    "error of a": "the same of the contact half-width, at the last state",
+    "error of c": "the same of the stick half-width, at the last state, over the contact half-width",
     "error of dissipated_energy": "the same of the dissipated energy",
 }
 EFFECTS = {  # what it means that they are on

@@ -9,7 +9,7 @@ from ..output.style import panels, save, style
 from .commandline import make_folders, study_parser
 
 NU, R, P, MU, AMPLITUDE = 0.3, 0.1, 1e6, 0.3, 0.9
-E0, Y0 = 210e9, 13e-3  # Pa at a depth of about 10 a0
+E0, Y0 = 210e9, 13e-3  # Pa, at a depth of 17.5 a0 [m]
 EXPONENTS = (-0.3, 0.0, 0.3)
 STRAIN = 2e-4
 EDGE = 0.003  # distance from the trailing edge, over a, below which the largest stress is sought in equal steps

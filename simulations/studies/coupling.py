@@ -21,7 +21,7 @@ from .store import Store
 
 FRICTION, AMPLITUDE = (0.1, 0.3, 0.6), 0.9
 K, NU = (-0.5, 0.7), (0.0, 0.5)
-HALF, NODES = 4, 80  # increments a half cycle, and at each of them
+HALF, NODES = 4, 80  # increments of a half cycle; nodes of each
 COLUMNS = ("k", "nu", "mu", "pressure", "traction", "slip", "energy")
 SHOWN = dict(zip(COLUMNS[3:], ("pressure", "traction", r"slip between $\pm Q_A$", "energy per cycle")))
 ORDER = {"pressure": 1, "traction": 1, "slip": 2, "energy": 2}  # with which they vanish with the coupling
