@@ -62,7 +62,7 @@ class SpringState:
 
     @property
     def half_width_below_limit(self):
-        """Half-width of the zone where |q| < mu p [length]: not what sticks where loads go back as they came."""
+        """Half-width of the zone where |q| < mu p [length]; more than that sticks where loads go back as they came."""
         load = self.memory.below_limit
         return self.path.contact_under(load).a if load else 0.0
 

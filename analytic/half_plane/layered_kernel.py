@@ -1,8 +1,8 @@
 """Surface kernel of a half-plane with any modulus E(y): from its compliance per wavenumber, beyond the paper [X6].
 
 A surface wave e^(iωx) of tractions meets the 2×2 compliance of the body below each depth, which grows from
-the substrate upwards by a Riccati equation. What it differs from the power law that the modulus follows at the
-surface, is a smooth kernel; it is added to PowerLawKernel as a sum of kernels ln(x² + h²) of sources at depths h.
+the substrate upwards by a Riccati equation. The difference from the power law that the modulus follows at the
+surface is a smooth kernel. It is added to PowerLawKernel as a sum of kernels ln(x² + h²) of sources at depths h.
 """
 
 from collections.abc import Callable

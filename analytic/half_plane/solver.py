@@ -24,8 +24,8 @@ from .state import ContactState, Memory, PiecewiseField, StoredField
 from .surface_kernel import PowerLawKernel, SurfaceKernel
 
 COARSE_MARGIN, MARGIN = 0.1, 0.01  # nodes beyond the contact over its width: while the edges are sought, and then
-SOUGHT = 2e-3  # motion of the edges over the width of the contact below which all nodes are used,
-SETTLED = 0.3  # and below which they rest, over the distance from an edge to its first few nodes
+SOUGHT = 2e-3  # motion of the edges over the width of the contact, below which all nodes are used
+SETTLED = 0.3  # motion over the distance from an edge to its first few nodes, below which the edges rest
 SLOW = 0.5  # ratio of successive motions above which edges are thought to go to and fro, and move half way only
 HALF_PASSES = 5  # with half of the nodes, after a first one; twice as many with all, then a motion below SOUGHT is rest
 PASSES = 20

@@ -23,9 +23,9 @@ class Mesh(Table):
     edge_facet: HalfWidths = Field(
         default=1e-3, ge=1e-6, le=0.5, description="smallest facet, at the edges of contact and stick"
     )
-    growth: Dimensionless = Field(default=1.3, ge=1.02, le=3, description="ratio of neighbouring columns")
+    growth: Dimensionless = Field(default=1.3, ge=1.02, le=3, description="ratio of neighbouring column widths")
     first_layer: HalfWidths = Field(default=1e-3, ge=1e-7, le=0.5, description="height of surface cells (k > 0: less)")
-    layer_growth: Dimensionless = Field(default=1.3, ge=1.02, le=3, description="ratio of neighbouring layers")
+    layer_growth: Dimensionless = Field(default=1.3, ge=1.02, le=3, description="ratio of neighbouring layer heights")
     edge_at: Annotated[Dimensionless, Field(ge=0, le=1)] | None = Field(
         default=None,
         description="where in its facet an edge of contact or stick lies, from 0 at the inner end; "
@@ -36,8 +36,8 @@ class Mesh(Table):
         ge=4,
         le=1e4,
         description="half-width and depth of the domain; multiplied by 5 for a coated body, for bulk strain, and with "
-        "coupling unless ν is the Holl ratio (coupling with k < 0: by 5^(1/(1+k)), at most by 10). Where a coating is "
-        "thicker than a its unit is the thickness",
+        "coupling unless ν is the Holl ratio (coupling with k < 0: by 5^(1/(1+k)), at most by 10). If a coating is "
+        "thicker than a, the unit is its thickness",
     )
     degree: Count = Field(default=2, ge=1, le=3, description="polynomial degree of the displacements")
     edges: Literal["turns", "states"] = Field(
@@ -56,9 +56,9 @@ class Solver(Table):
         default=20,
         ge=1,
         le=1000,
-        description="of P, with friction in the normal stage: equal steps of the half-width under a power profile",
+        description="load steps of P with friction in the normal stage; equal in the half-width under a power profile",
     )
-    increments: Count = Field(default=6, ge=1, le=1000, description="per quarter cycle, or from point to point")
+    increments: Count = Field(default=6, ge=1, le=1000, description="load steps per quarter cycle, or between points")
     gamma0: Dimensionless = Field(
         default=10.0, ge=1e-3, le=1e6, description="Nitsche's parameter over m² E/((1−ν²) h), m = mesh.degree"
     )
@@ -69,7 +69,7 @@ class Solver(Table):
         default=0.0,
         ge=-1,
         le=1,
-        description='Nitsche\'s variant; with one other than 0 the default of `method` is `"full"`, which it needs',
+        description='Nitsche\'s variant; other than 0 it needs `method = "full"`, which is then the default',
     )
 
     @model_validator(mode="before")
@@ -91,7 +91,7 @@ class Reference(Table):
 
     table: ClassVar[str] = "reference"
     kind: Literal["auto", "closed form", "half-plane", "none"] = Field(
-        default="auto", description='what the run is compared with; "auto": what has the same physics'
+        default="auto", description='what the run is compared with; "auto": a solution of the same physics'
     )
 
 
@@ -100,7 +100,7 @@ class EffectSwitches(Table):
 
     table: ClassVar[str] = "effects"
     grading: Truth = Field(default=True, description="false: E = E0 everywhere")
-    friction: Truth = Field(default=True, description="follows from the load keys; false forbids them")
+    friction: Truth = Field(default=True, description="on where [load] has a key of friction; false forbids these keys")
     symmetry: Truth | Literal["auto"] = Field(
         default="auto", description="half the domain; auto: without tangential load"
     )
@@ -109,8 +109,8 @@ class EffectSwitches(Table):
     )
     elastic_slip: Length | None = Field(
         default=None,
-        description="regularises Coulomb's law: stuck points slip elastically, so far under the friction of the mean "
-        "pressure P/(2a); empty: not at all",
+        description="regularises Coulomb's law: a stuck point slips in proportion to its traction, by this length at "
+        "q = μP/(2a); empty: not at all",
     )
     friction_in_normal_stage: Truth = Field(default=False, description="friction from the first contact on")
     incompressibility: Truth | Literal["auto"] = Field(
