@@ -70,11 +70,11 @@ def asked(scene: Scene) -> list[str]:
 
 def _indenter(scene: Scene) -> str:
     indenter = scene.indenter
-    words = {"power": f"x^{getattr(indenter, 'exponent', 2):g} profile", "formula": "profile"}
+    words = {"power": f"x^{getattr(indenter, 'exponent', 2):g} profile", "formula": "profile"}  # R is no radius there
     name = f"A rigid {words.get(indenter.profile, indenter.profile)}"
     parts = [f"f(x) = {indenter.formula} in metres"] if indenter.profile == "formula" else []
     if indenter.R is not None:
-        parts.append(f"{'R =' if indenter.profile == 'formula' else 'radius'} {quantity(indenter.R, 'm')}")
+        parts.append(f"{'R =' if indenter.profile in words else 'radius'} {quantity(indenter.R, 'm')}")
     if isinstance(indenter, RoundedFlat):
         parts.append(f"half-width of the flat {quantity(indenter.flat, 'm')}")
     return f"{name} ({', '.join(parts)})"

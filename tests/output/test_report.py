@@ -290,6 +290,7 @@ WITHOUT_POWER_LAW = {"k": None, "y0_over_a0": None}
         ({"load.bulk_strain": 2e-4, "load.bulk_phase": 180}, ["by 0.0002 (tension 180° after +Q_A), 180° behind Q."]),
         ({"effects.grading": False}, ["a homogeneous half-plane of modulus 210 GPa"]),
         ({"indenter": {"profile": "formula", "formula": "x^2/R", "R": 0.1}}, ["f(x) = x^2/R in metres, R = 100 mm"]),
+        ({"indenter.profile": "power", "indenter.exponent": 4.0}, ["A rigid x^4 profile (R = 100 mm)"]),
         (
             {"solid": {"modulus": "linear", "E_substrate": 2e11, "thickness": 1e-3, "nu": 0.3} | WITHOUT_POWER_LAW},
             ["from 210 GPa to 200 GPa (linear), constant below 1 mm"],
