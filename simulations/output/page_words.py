@@ -114,17 +114,17 @@ def _load(scene: Scene) -> str:
 def _strain(scene: Scene) -> str:
     if not scene.bulk_strain:
         return ""
-    sense = "tension" if scene.bulk_strain > 0 else "compression"
-    phase = scene.bulk_phase
-    lag = f"{phase:g}° after" if phase and phase != "constant" else "at"
+    sense, phase = "tension" if scene.bulk_strain > 0 else "compression", scene.bulk_phase
+    lag = f"{abs(phase):g}° {'after' if phase > 0 else 'before'}" if phase and phase != "constant" else "at"
     size = f"{scene.bulk_strain:.4g} ({sense} {lag} +Q_A)"
     return f" The body is strained along the surface by {size}, {strain_course(scene)}."
 
 
 def strain_course(scene: Scene) -> str:
     """How the bulk strain goes with Q."""
-    phase = scene.bulk_phase
-    return "with Q up to Q_A, and stays" if phase == "constant" else f"{phase:g}° behind Q" if phase else "with Q"
+    if (phase := scene.bulk_phase) == "constant":
+        return "with Q up to Q_A, and stays"
+    return f"{abs(phase):g}° {'behind' if phase > 0 else 'ahead of'} Q" if phase else "with Q"
 
 
 def _physics(scene: Scene) -> str:

@@ -84,7 +84,7 @@ class Effects:
 def grading(scene: Scene) -> Verdict:
     """E varies with depth unless it is homogeneous."""
     if not scene.effects.grading:
-        return Verdict(False, "effects.grading = false", f"E = E0 = {scene.solid.E0:g} everywhere")
+        return Verdict(False, "effects.grading = false", f"E = E0 = {scene.solid.E0:g} Pa everywhere")
     kind, k = scene.solid.modulus, scene.k
     if kind in ("exponential", "linear"):
         return Verdict(True, f"{kind} coating", "E varies down to its thickness, layers in y")

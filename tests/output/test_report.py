@@ -288,6 +288,7 @@ WITHOUT_POWER_LAW = {"k": None, "y0_over_a0": None}
         ({"load.cycles": 0}, ["stays there"]),
         ({"load.bulk_strain": -1e-4}, ["by -0.0001 (compression at +Q_A), with Q."]),
         ({"load.bulk_strain": 2e-4, "load.bulk_phase": 180}, ["by 0.0002 (tension 180° after +Q_A), 180° behind Q."]),
+        ({"load.bulk_strain": 2e-4, "load.bulk_phase": -30}, ["by 0.0002 (tension 30° before +Q_A), 30° ahead of Q."]),
         ({"effects.grading": False}, ["a homogeneous half-plane of modulus 210 GPa"]),
         ({"indenter": {"profile": "formula", "formula": "x^2/R", "R": 0.1}}, ["f(x) = x^2/R in metres, R = 100 mm"]),
         ({"indenter.profile": "power", "indenter.exponent": 4.0}, ["A rigid x^4 profile (R = 100 mm)"]),
