@@ -98,7 +98,7 @@ def _interpolated(rows, name, mu, k, nu, fine_k, fine_nu):
 
     ratio = np.array([[rows[_point(a, b, mu)][name] / (strength(a, b) or np.nan) for b in nu] for a in k])
     ratio[np.array([[strength(a, b) for b in nu] for a in k]) < NOISE] = np.nan
-    for column in ratio.T:  # at the Holl ratio: between its neighbours
+    for column in ratio.T:  # at the Holl ratio, and where a loop failed: between its neighbours
         hole = np.isnan(column)
         column[hole] = np.interp(k[hole], k[~hole], column[~hole])
     smooth = RectBivariateSpline(k, nu, ratio, kx=1, ky=1)(fine_k, fine_nu)
