@@ -116,7 +116,7 @@ def test_entering_points_are_anchored_where_the_edge_passed_them(monkeypatch):
     assert zigzags(**pressed) > 2 * checks.ZIGZAGS
 
 
-LEADING = {"solid__k": -0.4, "solid__nu": -0.2, "load__mu": 0.4, "load__amplitude": 0.15, "solver__increments": 3}
+LEADING = {"solid__k": -0.4, "solid__nu": -0.2, "load__mu": 0.4, "load__amplitude": 0.2, "solver__increments": 3}
 LEADING |= {"mesh__facet": 0.05, "mesh__edge_facet": 0.003, "mesh__first_layer": 0.004, "mesh__layer_growth": 1.5}
 
 
