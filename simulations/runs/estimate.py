@@ -41,10 +41,10 @@ class Errors:
         """Of all."""
         return _largest(self.last, self.worst)
 
-    def plus(self, more: "Errors") -> "Errors":
-        """The sum of two estimates, of which the second may know less."""
+    def plus(self, more: "Errors", names: set[str]) -> "Errors":
+        """The sum of two estimates, of which the second counts for these quantities."""
         last, worst_state = (
-            {name: abs(error) + abs(others.get(name, 0.0)) for name, error in mine.items()}
+            {name: abs(error) + (abs(others.get(name, 0.0)) if name in names else 0.0) for name, error in mine.items()}
             for mine, others in ((self.last, more.last), (self.worst, more.worst))
         )
         return Errors(last, worst_state, self.is_estimate or more.is_estimate)
@@ -92,10 +92,10 @@ def judged(
         try:
             other, ratio = coarser(simulation.body.mesh.comm, simulation.scene)
             errors = estimated(simulation, other.run_to_end(), ratio)
-            depend = of_load_steps_too(simulation)
-            if depend:
+            dependent = dependent_on_load_steps(simulation)
+            if dependent:
                 tell("the same with twice the load steps")
-                errors = errors.plus(of_load_steps(other, depend))
+                errors = errors.plus(of_load_steps(other), dependent)
         except (SceneError, SolveError) as reason:  # the run itself is done
             cause = f"the error is not known, as the second mesh fails: {reason}"
             return Check(float("nan"), wanted, cause), {"wanted": wanted, "is_within": False}
@@ -145,13 +145,10 @@ def estimated(simulation: Simulation, other: Simulation, ratio: float) -> Errors
     The difference is the coarser mesh's error; it is divided by the ``ratio`` that the errors of both meshes have
     where there are closed forms, and multiplied by the margin of the table.
     """
-    factor, finer = accuracy.MARGIN / max(ratio, 1.0), of_history(simulation.history)
-    found = compare(other.history, finer), worst(other.history, finer)
-    last, worst_state = ({name: factor * abs(v) for name, v in f.items()} for f in found)
-    return Errors(last, worst_state, True)
+    return _scaled(accuracy.MARGIN / max(ratio, 1.0), other.history, of_history(simulation.history))
 
 
-def of_load_steps_too(simulation: Simulation) -> set[str]:
+def dependent_on_load_steps(simulation: Simulation) -> set[str]:
     """Which quantities of a run depend on its load steps, whatever the mesh.
 
     All where P changes under friction, and where the body's strain lags behind Q; at constant P the energy alone, but
@@ -164,14 +161,19 @@ def of_load_steps_too(simulation: Simulation) -> set[str]:
     return {"dissipated_energy"} if "coupling" in simulation.effects or scene.effects.elastic_slip else set()
 
 
-def of_load_steps(simulation: Simulation, names: set[str]) -> Errors:
-    """Errors by name of a finished ``simulation`` from its load steps, estimated with twice as many; collective."""
+def of_load_steps(simulation: Simulation) -> Errors:
+    """Errors of a finished ``simulation`` from its load steps, estimated with twice as many; collective."""
     scene, history = simulation.scene, simulation.history
     more = {f"solver.{name}": 2 * getattr(scene.solver, name) for name in ("increments", "normal_increments")}
     other = Simulation(simulation.body.mesh.comm, make_scene(more, base=scene)).run_to_end()
     finer = OfStates(list(_at_same_loads(history, other.history)), other.history.dissipated_energy)
+    return _scaled(FIRST_ORDER, history, finer)
+
+
+def _scaled(factor: float, history: History, finer: OfStates) -> Errors:
+    """How far ``history`` is off what is ``finer``, times ``factor``, as an estimate."""
     last, worst_state = (
-        {name: FIRST_ORDER * abs(error) for name, error in found.items() if name in names}
+        {name: factor * abs(error) for name, error in found.items()}
         for found in (compare(history, finer), worst(history, finer))
     )
     return Errors(last, worst_state, True)
