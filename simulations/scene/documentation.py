@@ -9,9 +9,9 @@ from dataclasses import astuple
 from pathlib import Path
 from typing import Any, Literal, get_args, get_origin
 
-from annotated_types import Ge, Gt, Le, Lt, MaxLen
+from annotated_types import Ge, Gt, Le, Lt
 
-from .fields import ListOf, Word, allowed, alternatives, unit
+from .fields import ListOf, Word, allowed, alternatives, longest, unit
 from .scene import Scene
 from .table import KINDS, Table, fields
 from .tables import ONE_OF_TWO
@@ -76,7 +76,7 @@ def _option(base, marks) -> dict[str, Any]:
     if base is bool:
         return {"type": "boolean"}
     if base is str:
-        return {"type": "string", "maxLength": min(mark.max_length for mark in marks if isinstance(mark, MaxLen))}
+        return {"type": "string", "maxLength": longest(marks)}
     if base in (int, float):
         option: dict[str, Any] = {"type": "integer" if base is int else "number"}
         bounds = {Gt: "exclusiveMinimum", Ge: "minimum", Lt: "exclusiveMaximum", Le: "maximum"}

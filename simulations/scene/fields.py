@@ -197,12 +197,17 @@ def _in_words(base, marks) -> Iterator[str]:
     elif base is bool:
         yield "true or false"
     elif base is str:
-        yield f"a text in one line of at most {min(m.max_length for m in marks if isinstance(m, MaxLen))} characters"
+        yield f"a text in one line of at most {longest(marks)} characters"
     elif base in (int, float):
         yield ("an integer" if base is int else "a number") + _range(marks)
     else:
         yield from (mark.words for mark in marks if isinstance(mark, ListOf))
     yield from (f'"{mark.text}"' for mark in marks if isinstance(mark, Word))
+
+
+def longest(marks) -> int:
+    """Characters that a text with these marks may have."""
+    return min(mark.max_length for mark in marks if isinstance(mark, MaxLen))
 
 
 def _range(marks) -> str:
