@@ -194,8 +194,10 @@ def add(*effects: Effect):
 
 def remove(*effects: Effect):
     """Undo ``add``."""
-    for place in sorted({*map(ALL.index, effects)}, reverse=True):  # all of them, or an error and none
-        del ALL[place]
+    left = [*ALL]
+    for effect in effects:  # all of them, or an error and none
+        left.remove(effect)
+    ALL[:] = left
     _update_keys()
 
 
