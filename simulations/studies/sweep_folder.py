@@ -15,7 +15,7 @@ from .engine import Item
 from .store import Store
 
 KEPT, TABLE = SWEEP
-RUNS = "run-{:04d}"  # folder of a scene, by its number
+RUNS, ANY_RUN = "run-{:04d}", "run-[0-9]*"  # folder of a scene by its number, and of any
 
 
 @contextmanager
@@ -55,17 +55,17 @@ def _make_ready(folder, items, overwrite):
     try:
         # a run that was kept and has lost its scene would be refused as another's, and could never be solved again
         own = [Path(item.values["folder"]) for item in items if item.key in kept and "folder" in item.values]
-        lost = [run_folder for run_folder in own if has_lost_scene(run_folder)]
+        lost = {run_folder for run_folder in own if has_lost_scene(run_folder)}
         replaced = lost
         if overwrite:  # what the other sweep has and this one will have
             runs = (*store.values(), *(item.values for item in items))
-            replaced = sorted({folder / Path(values["folder"]).name for values in runs if "folder" in values})
-            for run_folder in replaced:  # before anything is taken away
+            replaced = {folder / Path(values["folder"]).name for values in runs if "folder" in values}
+            for run_folder in sorted(replaced):  # before anything is taken away
                 if not has_lost_scene(run_folder):
                     refuse_changed(run_folder)
             # those that failed or were stopped are in no row, and would be in the way of a scene of their number
-            replaced += [run_folder for run_folder in sorted(folder.glob("run-[0-9]*")) if not is_whole(run_folder)]
-        for run_folder in replaced:
+            replaced |= {run_folder for run_folder in folder.glob(ANY_RUN) if not is_whole(run_folder)}
+        for run_folder in sorted(replaced):
             remove_run(run_folder)
         if overwrite:
             table.unlink(missing_ok=True)
