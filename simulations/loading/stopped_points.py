@@ -148,7 +148,7 @@ def anchors_of_stopped(x, before: Surface, after: Surface, side: int, touch, sta
         began = start if np.isfinite(start) else float(x[inner])
         return Curve(stopped, touch[stopped] + (after.s[outer] - touch[outer]) * share, began)
     behind = outwards[np.argmin(np.abs(x[outwards] - (x[inner] - side * min(length, drawn))))]
-    beside = outwards[max(first - 3, 0)]  # the node before: the curve goes on without a kink
+    beside = outwards[max(first - 3, 0)]  # at the node before, as two points lie at some: the curve has no kink
     curve = np.where(side * x < side * x[outer], touch, after.s)  # points behind may have slid on
     return Curve(stopped, smooth(x, curve, [behind, beside, inner, outer], x[stopped]), start)
 

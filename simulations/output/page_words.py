@@ -122,7 +122,8 @@ def _strain(scene: Scene) -> str:
 
 def strain_course(scene: Scene) -> str:
     """How the bulk strain goes with Q."""
-    if (phase := scene.bulk_phase) == "constant":
+    phase = scene.bulk_phase
+    if phase == "constant":
         return "with Q up to Q_A, and stays"
     return f"{abs(phase):g}° {'behind' if phase > 0 else 'ahead of'} Q" if phase else "with Q"
 

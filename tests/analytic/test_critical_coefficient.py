@@ -47,8 +47,13 @@ def test_search_finds_the_smallest_of_all_patterns_and_the_lower_bound_is_below(
 
 
 @pytest.mark.parametrize(
-    "k, elements, pattern", [(-0.5, 12, "+--------+-0"), (-0.5, 16, "+------------+-0"), (0.9, 12, "0+----------")]
-    + [(0.0, 12, "+-0+-------+")]  # which no start of the search is
+    "k, elements, pattern",
+    [
+        (-0.5, 12, "+--------+-0"),
+        (-0.5, 16, "+------------+-0"),
+        (0.9, 12, "0+----------"),
+        (0.0, 12, "+-0+-------+"),  # which no start of the search is
+    ],
 )
 def test_search_finds_slivers_at_the_edges_of_contact(k, elements, pattern):
     """The smallest that descents from hundreds of random patterns find."""

@@ -179,12 +179,17 @@ def test_refused_by_name(changes, words):
         assert word in str(refusal.value)
 
 
+def number_before(words, refusal) -> float:
+    """The last number before these words of a refusal."""
+    return float(str(refusal.value).rsplit(words, 1)[0].rsplit(maxsplit=1)[-1])
+
+
 @pytest.mark.parametrize("name", ["slip zone", "steep ends"])
 def test_what_a_refusal_asks_for_is_accepted(name):
     changes, _ = REFUSALS[name]
     with pytest.raises(SceneError) as refusal:
         coarse_simulation(**changes)
-    needed = float(str(refusal.value).rsplit(" or less", 1)[0].rsplit(maxsplit=1)[-1])
+    needed = number_before(" or less", refusal)
     coarse_simulation(**changes | {"mesh__edge_facet": needed, "mesh__first_layer": needed})
 
 
@@ -194,7 +199,7 @@ def test_a_first_layer_that_a_refusal_asks_for_is_accepted(k):
     stiff = UNCOUPLED | {"solid__k": k, "solver__gamma0": 1e6}
     with pytest.raises(SceneError, match="too thin") as refusal:
         coarse_simulation(**stiff, mesh__first_layer=1e-7)
-    needed = float(str(refusal.value).rsplit(" or more", 1)[0].rsplit(maxsplit=1)[-1])
+    needed = number_before(" or more", refusal)
     coarse_simulation(**stiff, mesh__first_layer=needed)
 
 
