@@ -2,7 +2,7 @@
 tractions zigzag and do so less with half steps."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
 import numpy as np
@@ -129,9 +129,9 @@ class LoadStepping:
             self._is_pressed_only = number < pressed
             if self.problem is not self.frictional and (step.branch != "normal" or self._friction_first):
                 if self._friction_first:  # the frictionless contact of the first step is where Newton starts
-                    cuts = self._advance(before, step.load, step.branch)
+                    cuts = self._advance(before, step)
                 self._begin_friction()
-            cuts += self._take(before, step.load, step.branch)
+            cuts += self._take(before, step)
             yield Outcome(step, tuple(self._results), cuts, self._unsettled)
             before = step.load
 
@@ -155,29 +155,29 @@ class LoadStepping:
             self.problem.memory.release()
         self._newton = self._start(self.problem)
 
-    def _take(self, before: Load, after: Load, branch: str) -> int:
+    def _take(self, before: Load, step: LoadStep) -> int:
         """``_advance``; where tractions zigzag after a step it is solved in two halves as well, and the smoother stays.
 
         Points that slide through a long step are anchored where an estimate says that they stopped.
         """
         if self._is_uncoupled or not self.problem.friction:
-            return self._advance(before, after, branch)
+            return self._advance(before, step)
         begun = self._everything()
-        cuts, unsettled = self._advance(before, after, branch), self._unsettled
+        cuts, unsettled = self._advance(before, step), self._unsettled
         zigzag = 0.0 if cuts else self._zigzag()
         if zigzag <= 1.0:
             return cuts
         whole = self._everything()
         self._put_back(begun)
         try:
-            self._unsettled, cuts = 0.0, self._in_halves(before, after, branch)
+            self._unsettled, cuts = 0.0, self._in_halves(before, step)
             if self._zigzag() < zigzag:
                 return cuts
         except SolveError:
             pass
         self._put_back(whole)
         self._unsettled = unsettled
-        self._results.append(self._newton.balance(after))
+        self._results.append(self._newton.balance(step.load))
         return 0
 
     def _everything(self):
@@ -188,9 +188,9 @@ class LoadStepping:
         present_state.restore(self.system, state)
         self.restore(self.body.mesh.comm.bcast(memory))
 
-    def _advance(self, before: Load, after: Load, branch: str, depth: int = 0) -> int:
+    def _advance(self, before: Load, step: LoadStep, depth: int = 0) -> int:
         """Solve a step, in two halves should every way fail; returns the number of halvings."""
-        saved = present_state.save(self.system)
+        saved, after = present_state.save(self.system), step.load
         # without coupling and with P as it was no edge of contact moves
         enters = self.problem.friction and not (self._is_uncoupled and before.P == after.P)
         tried = self._with_entering_points(before, after) if enters else self._solve(after)
@@ -212,14 +212,15 @@ class LoadStepping:
                 f"in the last iterations: {changes}",
                 before,
                 after,
-                branch,
+                step.branch,
             )
-        return self._in_halves(before, after, branch, depth)
+        return self._in_halves(before, step, depth)
 
-    def _in_halves(self, before: Load, after: Load, branch: str, depth: int = 0) -> int:
-        middle = before.towards(after, 0.5)
-        cuts = self._advance(before, middle, branch, depth + 1)
-        return 1 + cuts + self._advance(middle, after, branch, depth + 1)
+    def _in_halves(self, before: Load, step: LoadStep, depth: int = 0) -> int:
+        half = replace(step, angle=step.angle / 2)
+        middle = replace(half, load=step.on_the_way(before, 0.5))
+        cuts = self._advance(before, middle, depth + 1)
+        return 1 + cuts + self._advance(middle.load, half, depth + 1)
 
     def _solve(self, load: Load, newton: Newton | None = None) -> list[NewtonResult]:
         """What the ways of solving ended with, in order, up to the first that converged; newton: the stage's own."""

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 from running import COARSE
-from solving import limit_stepping, solved
+from solving import limit_stepping
 
 from analytic import PressingWithFriction
 from simulations.api import make_scene
@@ -252,43 +252,6 @@ def test_stick_half_width_where_points_slide_against_the_change_of_q():
         assert entry.c == pytest.approx(springs.stick_half_width(entry), rel=0.01)
 
 
-STEEP_LOOP = HOLL | {
-    "solid.k": -0.472,
-    "solid.nu": -0.309,
-    "load.P": 1e6,
-    "load.mu": 0.256,
-    "load.amplitude": 0.219,
-    "solver.increments": 2,
-    "reference.kind": "none",
-}
-
-
-def test_a_load_step_after_which_tractions_zigzag_is_taken_in_halves(request):
-    def after_the_turn():
-        simulation = Simulation(MPI.COMM_SELF, make_scene(STEEP_LOOP, base=None))
-        entry = next(entry for entry in simulation.run() if entry.number == 4)
-        return entry.cuts, checks.largest_zigzag(entry.surface, simulation.mu)
-
-    cuts, zigzag = after_the_turn()
-    assert cuts == 1 and zigzag < 0.03
-    request.getfixturevalue("whole_steps")
-    cuts, zigzag = after_the_turn()
-    assert cuts == 0 and zigzag > 0.1
-
-
-def test_where_halves_are_not_smoother_the_load_step_is_as_if_they_had_not_been_tried(monkeypatch):
-    def states(zigzag):
-        monkeypatch.setattr(Simulation, "_zigzag", lambda simulation: zigzag)
-        return run(LOOP, 2).history.entries
-
-    for tried, whole in zip(states(2.0), states(0.0), strict=True):
-        assert tried.cuts == 0 and (tried.step.branch == "normal" or tried.iterations > whole.iterations)
-        for name in ("pressure", "traction", "relative_displacement"):
-            expected = getattr(whole.surface, name)
-            largest = np.abs(expected).max(initial=1e-3)
-            assert getattr(tried.surface, name) == pytest.approx(expected, abs=1e-8 * largest)
-
-
 def test_a_dwell_and_a_return_pass_the_check_of_slip():
     """Nothing moves at a dwell: what moves there is round-off, and so is the work that it does."""
     points = [[1e6, 0.0], [1e6, 2e5], [1e6, 2e5], [1e6, 1e5], [1e6, 2e5], [1e6, 2e5]]
@@ -332,18 +295,3 @@ def test_a_look_at_the_clearance_moves_nothing():
         if entry.step.branch != "normal":
             assert np.any(simulation.solver._clearance() > 0)
         assert np.array_equal(simulation.body.state.x.array, before), entry.number
-
-
-def test_a_restored_state_balances_as_it_did(monkeypatch):
-    """Where a pass for the anchors fails, the last state and its forces are back: displacements lose their digits."""
-    solve, loads = LoadStepping._solve, []
-
-    def second_fails(self, load):
-        loads.append(load)
-        return [replace(solve(self, load)[-1], converged=len(loads) < 2 or loads[-2] is not load)]
-
-    monkeypatch.setattr(LoadStepping, "_solve", second_fails)
-    scene = {"solid__nu": 0.0, "solid__k": -0.5, "load__mu": 1.0, "load__cycles": 0, "solver__increments": 2}
-    history = solved(**scene).history
-    assert any(a is b for a, b in zip(loads, loads[1:]))
-    assert all(entry.residual <= entry.tolerance for entry in history.entries[1:])
