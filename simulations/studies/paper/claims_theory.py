@@ -18,24 +18,43 @@ THIN, THICK = 0.01, 10.0  # y0/a0 of Figure 9
 
 def theory_claims() -> list[Claim]:
     """Every such claim, in the paper's order."""
-    makers = (
-        overlap,
-        thin_half_widths,
-        thick_half_widths,
-        slopes,
-        maxima,
-        depth_negative,
-        depth_positive,
-        thin_exponents,
-        thick_exponents,
-        stiff_skin,
-        high_exponent,
-        softer,
-        homogeneous_limit,
-        homogeneous_integral,
-        fleury,
-    )
-    return [claim() for claim in makers]
+    return [
+        overlap(),
+        half_widths(
+            "5.1, Fig. 4",
+            "For y0 = 0.1 a0 the half-width is larger than the homogeneous one for k = −0.5, smaller for k = 0.5",
+            0.1,
+            negative_larger=True,
+        ),
+        half_widths("5.1, Fig. 5", "For y0 = 10 a0 the opposite", 10.0, negative_larger=False),
+        slopes(),
+        maxima(),
+        against_depth("a", -0.5, "Negative grading: ΔW increases with decreasing characteristic depth", -1),
+        against_depth("b", 0.5, "Positive grading: ΔW increases with increasing characteristic depth", 1),
+        thin_exponents(),
+        thick_exponents(),
+        much_greater(
+            "ΔW of a material very stiff up to a small depth is much greater than in the homogeneous medium",
+            -0.5,
+            THIN,
+            "k = −0.5, y0 = 0.01 a0",
+        ),
+        much_greater(
+            "Large values also occur at high exponents with high characteristic depths",
+            0.5,
+            THICK,
+            "k = 0.5, y0 = 10 a0",
+        ),
+        softer(),
+        homogeneous_limit(),
+        homogeneous_integral(),
+        Claim(
+            "5.2",
+            "The homogeneous curves correspond exactly to values of Fleury et al. [38]",
+            "no data here",
+            UNCHECKED,
+        ),
+    ]
 
 
 def overlap() -> Claim:
@@ -56,7 +75,8 @@ def overlap() -> Claim:
     )
 
 
-def _half_widths(place, sentence, depth, negative_larger):
+def half_widths(place, sentence, depth, negative_larger) -> Claim:
+    """Which of k = -0.5 and 0.5 has a wider contact than the homogeneous half-plane."""
     found = {k: contact(k, depth).a / contact(k, depth).a0 for k in (-0.5, 0.5)}
     everywhere = all(
         (contact(k, depth, nu).a > contact(k, depth, nu).a0) == ((k < 0) == negative_larger)
@@ -67,17 +87,6 @@ def _half_widths(place, sentence, depth, negative_larger):
         f"a/a0 = {found[-0.5]:.3f} for k = −0.5, {found[0.5]:.3f} for k = 0.5; the same order for all ν from 0 to 0.5"
     )
     return Claim(place, sentence, text, verdict(everywhere))
-
-
-def thin_half_widths() -> Claim:
-    """Figure 4."""
-    sentence = "For y0 = 0.1 a0 the half-width is larger than the homogeneous one for k = −0.5, smaller for k = 0.5"
-    return _half_widths("5.1, Fig. 4", sentence, 0.1, True)
-
-
-def thick_half_widths() -> Claim:
-    """Figure 5."""
-    return _half_widths("5.1, Fig. 5", "For y0 = 10 a0 the opposite", 10.0, False)
 
 
 def slopes() -> Claim:
@@ -123,7 +132,8 @@ def maxima() -> Claim:
     )
 
 
-def _against_depth(panel, k, words, sign):
+def against_depth(panel, k, words, sign) -> Claim:
+    """Growth (sign 1) or fall (-1) of ΔW with y0."""
     depths = np.geomspace(1e-3, 1e3, 25)
     energy = np.array([curve(k, y, AMPLITUDES) for y in depths])
     holds = bool(np.all(sign * np.diff(energy, axis=0) > 0))
@@ -134,16 +144,6 @@ def _against_depth(panel, k, words, sign):
         f"ΔW ∝ (y0)^({power:.3f}) at k = {k:g} for every Q_A (exponent 2k/(2+k))",
         verdict(holds and abs(power - 2 * k / (2 + k)) < 1e-9),
     )
-
-
-def depth_negative() -> Claim:
-    """Figure 8a."""
-    return _against_depth("a", -0.5, "Negative grading: ΔW increases with decreasing characteristic depth", -1)
-
-
-def depth_positive() -> Claim:
-    """Figure 8b."""
-    return _against_depth("b", 0.5, "Positive grading: ΔW increases with increasing characteristic depth", 1)
 
 
 def thin_exponents() -> Claim:
@@ -187,24 +187,12 @@ def thick_exponents() -> Claim:
     )
 
 
-def _much_greater(sentence, k, depth, setting) -> Claim:
+def much_greater(sentence, k, depth, setting) -> Claim:
     """ΔW beside the homogeneous value, over all amplitudes."""
     ratio = curve(k, depth, AMPLITUDES) / curve(0.0, 1.0, AMPLITUDES)
     low, high = float(ratio.min()), float(ratio.max())
     found = f"{setting}: {low:.1f} to {high:.1f} times the homogeneous value for Q_A between 0.05 and 0.95 μP"
     return Claim("5.2", sentence, found, verdict(low > 2))
-
-
-def stiff_skin() -> Claim:
-    """k < 0 and thin."""
-    sentence = "ΔW of a material very stiff up to a small depth is much greater than in the homogeneous medium"
-    return _much_greater(sentence, -0.5, THIN, "k = −0.5, y0 = 0.01 a0")
-
-
-def high_exponent() -> Claim:
-    """k > 0 and thick."""
-    sentence = "Large values also occur at high exponents with high characteristic depths"
-    return _much_greater(sentence, 0.5, THICK, "k = 0.5, y0 = 10 a0")
 
 
 def softer() -> Claim:
@@ -250,11 +238,4 @@ def homogeneous_integral() -> Claim:
         "(59) is the integral (52) of the homogeneous traction (53) and slip (54)",
         f"quadrature and closed form differ by {worst:.0e}",
         verdict(worst < 1e-9),
-    )
-
-
-def fleury() -> Claim:
-    """Numbers of another paper."""
-    return Claim(
-        "5.2", "The homogeneous curves correspond exactly to values of Fleury et al. [38]", "no data here", UNCHECKED
     )
