@@ -5,40 +5,24 @@ import re
 import pytest
 from running import ROOT
 
-from simulations.studies.paper.claim import FAILS, HOLDS, IN_PART, UNCHECKED, minus_signs
-from simulations.studies.paper.claims_coupling import (
-    TABLE_NU,
-    cycle_claims,
-    difference,
-    memory,
-)
+from simulations.studies.paper.claim import minus_signs
+from simulations.studies.paper.claims_coupling import TABLE_NU, cycle_claims, difference
 from simulations.studies.paper.claims_theory import position_of_maximum, theory_claims
 
 PAGE = (ROOT / "docs" / "claims.md").read_text(encoding="utf-8")
 
 
+def without_round_off(text):
+    """Only round-off depends on the machine."""
+    return re.sub(r"\d+e-1\d", "round-off", text)
+
+
 def test_page_holds_the_rows_found_now():
-    """Every row of the closed forms, letter by letter: only round-off depends on the machine."""
+    """Every row of the closed forms and of the cycle, letter by letter, with its verdict."""
     claims = theory_claims()
     assert len(claims) == 15
-    for claim in claims:
-        if re.search(r"e-1\d", claim.found):  # round-off
-            assert claim.sentence in PAGE
-        else:
-            assert claim.row() in PAGE
-
-
-def test_cycle_rows_of_the_page():
-    for claim in cycle_claims():
-        assert claim.row() in PAGE
-
-
-def test_verdicts():
-    verdicts = {claim.sentence: claim.verdict for claim in theory_claims()}
-    assert set(verdicts.values()) == {HOLDS, IN_PART, FAILS, UNCHECKED}
-    (softer,) = [verdict for sentence, verdict in verdicts.items() if "more softly" in sentence]
-    assert softer == FAILS  # k > 0 stiffens with depth, E ~ y^k
-    assert memory().verdict == HOLDS
+    for claim in claims + cycle_claims():
+        assert without_round_off(claim.row()) in without_round_off(PAGE)
 
 
 @pytest.mark.parametrize("k, share, limit", [(0.0, 0.999999, (2 / 3) ** 0.5), (-0.5, 0.999999, 0.8**0.5)])
