@@ -20,11 +20,6 @@ def beta_fraction(x, a, half):
     return (np.sign(x) * np.where(ratio < 1e-9, small, betainc(0.5, half, ratio**2)))[()]
 
 
-def load_fraction(x, a, k):
-    """∫_{-x}^{x} p dx / P for (44), odd in x, ±1 for |x| >= a; any shape."""
-    return beta_fraction(x, a, (3 + k) / 2)
-
-
 def load_fraction_difference(x, a, log_ratio, k):
     """∫_{-x}^{x} [p(x; P) - p(x; zP)] dx / P, z = e^log_ratio; odd in x, ±(1-z) beyond ±a.
 

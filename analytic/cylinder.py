@@ -7,7 +7,7 @@ from math import gamma, pi, sqrt
 import numpy as np
 
 from .checks import require, require_positive_k
-from .cumulative import load_fraction, load_fraction_difference
+from .cumulative import beta_fraction, load_fraction_difference
 from .fretting import FrettingLoop
 from .material import GradedHalfPlane
 from .partial_slip import PartialSlip
@@ -84,7 +84,7 @@ class CylinderContact:
 
     def pressure_within(self, x):
         """∫_{-x}^{x} p dx [stress x length], the load between -x and x; odd in x, ±P beyond ±a."""
-        return self.P * load_fraction(x, self.a, self.solid.k)
+        return self.P * beta_fraction(x, self.a, (3 + self.solid.k) / 2)
 
     def relative_displacement(self, x):
         """h_y(x) [length]: depth of the point x = 0 below x; f(x) in the contact, (45) beside it, as [X2]."""

@@ -4,13 +4,15 @@ from functools import cached_property
 
 import numpy as np
 from numpy.polynomial import Chebyshev
+from scipy.special import digamma, loggamma
 
 from .branch import Branch
-from .full_stick import stick_compliance
+from .exponents import oscillation
 from .panels import gauss
 
 BEYOND = 0.3  # logarithm of the load over which the motion is continued to the turn
 LOAD_NODES = 24  # of the integral over the loads
+SMALL_K, NODES = 0.5, 24  # |k| below which ln Γ(z - k) - ln Γ(z) is integrated, as it would cancel; nodes for that
 
 
 class FrictionalWork:
@@ -64,3 +66,26 @@ class FrictionalWork:
             p, q = state.tractions(x) + base.tractions(x)
             work -= weight @ (q * moved[0] + p * moved[1]) / 2
         return float(work)
+
+
+def stick_compliance(problem, half):
+    """How far the indenter moves with Q just after a turn: d delta_x / dQ at constant P, in units of ``Problem``.
+
+    The contact of half-width ``half`` sticks everywhere then.
+    With D = d/sqrt(bk gk) the rates phi = sqrt(bk/gk) dp/dQ + i dq/dQ make R*phi + i D O*phi constant. As with friction
+    (``exponents.edge_exponent``), which is imaginary here, phi is i C (1+t)^(e-1) (1-t)^(conj(e)-1), with
+    e = (1+k)/2 + i epsilon (``exponents.oscillation``); C from the integral of phi. delta_x is u_x at the right edge,
+    where the integrals are beta functions: with s = e^(kG) = (2 half)^-k Γ(1+k) Γ(conj(e)-k)/Γ(conj(e)) it is
+    gk [(Re s - 1)/k - D Im s].
+    """
+    k = problem.k
+    D = problem.d / np.sqrt(problem.bk * problem.gk)
+    conjugate = (1 + k) / 2 - 1j * oscillation(k, problem.bk, problem.gk, problem.d)
+    if abs(k) < SMALL_K:
+        t, weight = gauss(NODES)
+        G = (weight / 2) @ (digamma(1 + k * (1 + t) / 2) - digamma(conjugate - k * (1 + t) / 2))
+    else:
+        G = (loggamma(1 + k) + loggamma(conjugate - k) - loggamma(conjugate)) / k
+    G -= np.log(2 * half)
+    even = np.expm1(k * G).real / k if k else G.real
+    return float(problem.gk * (even - D * np.exp(k * G).imag))
