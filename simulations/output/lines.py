@@ -18,7 +18,8 @@ class Lines:
 
     def __init__(self, folder: Path, output: Output, names: tuple[str, ...]):
         self.folder, self.names = folder, names
-        parts = [(f"line {i}", _line(*line)) for i, line in enumerate(output.lines, start=1)]
+        lines = [np.linspace((x0, y0), (x1, y1), count) for x0, y0, x1, y1, count in output.lines]
+        parts = [(f"line {i}", line) for i, line in enumerate(lines, start=1)]
         parts += [(f"point {i}", np.array([point])) for i, point in enumerate(output.points, start=1)]
         self.x, self.y = np.concatenate([np.empty((0, 2)), *(part for _, part in parts)]).T
         self._along = [name for name, part in parts for _ in part]
@@ -42,10 +43,6 @@ class Lines:
                 rows.append(state | {"along": along} | {name: f"{values[i]:.10g}" for name, values in columns.items()})
         if rows:
             write_table(self.folder / NAME, rows)
-
-
-def _line(x0, y0, x1, y1, count):
-    return np.linspace((x0, y0), (x1, y1), count)
 
 
 def _columns(name, values):

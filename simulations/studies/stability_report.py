@@ -101,13 +101,9 @@ def _largest(cases, name):
     return f"{max(values):.1e}" if values else "–"
 
 
+@style.style()
 def picture(path: Path, rows: list[dict]):
     """PNG: a row of dots a study, one a case, by how it ended; and the iterations that a load step took."""
-    with style.style():
-        style.save(_picture(rows), path.parent, path.stem, ("png",))
-
-
-def _picture(rows):
     studies = by_study(rows)
     height = 0.28 * len(studies) + 1.6
     figure, (left, right) = plt.subplots(
@@ -130,4 +126,4 @@ def _picture(rows):
     right.set(xlabel="Newton iterations per increment [–]", title="What it took", xscale="log")
     left.grid(False)
     figure.legend(*left.get_legend_handles_labels(), loc="outside lower center", ncols=3, fontsize=9)
-    return figure
+    style.save(figure, path.parent, path.stem, ("png",))

@@ -15,7 +15,6 @@ from simulations.studies.figures import FIGURES, lines
 from simulations.studies.paper import comparisons, distributions, energies
 from simulations.studies.paper.elements import Deviation, Runs
 from simulations.studies.paper.setting import (
-    MU,
     NU,
     SHARES,
     contact,
@@ -68,12 +67,12 @@ def test_lines_drawn_are_the_curves_and_points_are_the_run(runs):
     curve, points = axis.lines[0], axis.lines[1]
     x = curve.get_xdata()
     assert curve.get_ydata() == pytest.approx(distributions.curve(0.5, 0.1, SHARES[0], "traction", x), abs=1e-14)
-    field, normal = runs.monotone(0.5, NU, SHARES)[SHARES[0]], contact(0.5, 0.1)
+    field, normal = runs.monotone(0.5)[SHARES[0]], contact(0.5, 0.1)
     farthest = next(d.at for d in found if d.panel == "b")
     shown = field.drawn(farthest)
     assert farthest in shown
     assert points.get_xdata() == pytest.approx(field.x[shown] * normal.a)
-    unit = own_units(normal, MU).traction / homogeneous_units(normal, MU).traction
+    unit = own_units(normal).traction / homogeneous_units(normal).traction
     assert points.get_ydata() == pytest.approx(field.traction[shown] * unit)
     plt.close(figure)
 
@@ -111,7 +110,7 @@ def test_state_a_is_the_end_of_the_first_loading(runs):
     scene = runs._scene(pair.k, pair.nu, 0.9, coupling=True, cycles=0, increments=4)
     stopped = Simulation(MPI.COMM_SELF, scene)
     *_, last = stopped.run()
-    slip = last.slip / own_units(stopped.contact, MU).slip
+    slip = last.slip / own_units(stopped.contact).slip
     assert states["A"].slip == pytest.approx(slip, abs=1e-9)
 
 

@@ -82,7 +82,7 @@ def test_finite_elements_find_the_same_energy():
     k, nu, amplitude = -0.5, 0.3, 0.6
     normal = contact(k, 1.0, nu)
     mesh_free = simulate(normal.solid, profile(2.0, nu), normal.P, MU, amplitude, cycles=1, attempts=((24, 150),))
-    elements = Runs(MPI.COMM_SELF).loop(k, nu, amplitude, coupling=True).energy * own_units(normal, MU).energy
+    elements = Runs(MPI.COMM_SELF).loop(k, nu, amplitude, coupling=True).energy * own_units(normal).energy
     assert elements == pytest.approx(mesh_free.dissipated_energy, rel=1.5e-3)
     theory = normal.fretting(MU, z=1 - amplitude).dissipated_energy
     assert elements == pytest.approx(0.637 * theory, rel=2e-3)

@@ -66,7 +66,7 @@ def figure10(runs: Runs):
     for axis, (panel, curves) in zip(axes[0], panels_.items(), strict=True):
         for pair, (colour, marker) in curves.items():
             normal, loop = theory(pair)
-            own, units = own_units(normal, MU), homogeneous_units(normal, MU)
+            own, units = own_units(normal), homogeneous_units(normal)
             x = np.linspace(-normal.a, normal.a, 601)
             axis.plot(x, loop.amplitude.slip(x) / units.slip, color=colour)
             field = runs.loop(pair.k, pair.nu, AMPLITUDE, coupling=True).states["A"]
@@ -108,7 +108,7 @@ def figure11(runs: Runs):
 def traction_panel(axis, runs: Runs, panel: str, pair: Pair):
     """One panel of Figure 11 for any pair, with a ring around the node farthest from its curve; its deviations."""
     normal, loop = theory(pair)
-    own, units = own_units(normal, MU), homogeneous_units(normal, MU)
+    own, units = own_units(normal), homogeneous_units(normal)
     x = np.linspace(-1.15, 1.15, 1201) * normal.a
     computed = runs.loop(pair.k, pair.nu, AMPLITUDE, coupling=True).states
     farthest = {}

@@ -25,7 +25,7 @@ def curve(k: float, y0_over_a0: float, share: float, quantity: str, x) -> np.nda
     loop = normal.fretting(MU, z=1 - share)
     values = loop.amplitude.traction(x) if quantity == "traction" else loop.energy_density(x)
     # beside the contact h_x is the free surface's and q is zero
-    return values / getattr(homogeneous_units(normal, MU), quantity)
+    return values / getattr(homogeneous_units(normal), quantity)
 
 
 def draw(runs: Runs, number: int, y0_over_a0: float, quantity: str):
@@ -41,11 +41,11 @@ def draw(runs: Runs, number: int, y0_over_a0: float, quantity: str):
 
 def _panel(axis, runs, panel, k, y0_over_a0, quantity):
     normal = contact(k, y0_over_a0)
-    own, units = own_units(normal, MU), homogeneous_units(normal, MU)
+    own, units = own_units(normal), homogeneous_units(normal)
     reach = 1.15 * normal.a
     x = np.unique(np.concatenate([np.linspace(-reach, reach, 801), normal.a * (1 - np.geomspace(1e-8, 0.1, 60))]))
     deviations = []
-    for share, field in runs.monotone(k, NU, SHARES).items():
+    for share, field in runs.monotone(k).items():
         i = SHARES.index(share)
         axis.plot(x, curve(k, y0_over_a0, share, quantity, x), color=COLOURS[i])
         computed = convert(getattr(field, quantity), own, units, quantity)

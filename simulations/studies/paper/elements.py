@@ -12,7 +12,7 @@ from ...runs.comparison import relative_l2
 from ...runs.simulation import Simulation
 from ...scene import Scene, make_scene
 from ...scene.scaling import Scaled
-from .setting import MU, Units, own_units
+from .setting import MU, NU, SHARES, Units, own_units
 
 DRAWN, REACH = 41, 1.05  # computed points drawn a curve, and up to where, over a
 
@@ -81,15 +81,15 @@ class Runs:
         self.comm, self.overrides = comm, overrides or {}
         self._kept: dict = {}
 
-    def monotone(self, k: float, nu: float, shares: tuple[float, ...]) -> dict[float, Field]:
-        """Fields at Q = share mu P, evenly spaced shares, of one monotone loading without coupling."""
-        key = ("monotone", k, nu, shares)
+    def monotone(self, k: float) -> dict[float, Field]:
+        """Fields at Q = share mu P for the SHARES, evenly spaced, of one monotone loading without coupling."""
+        key = ("monotone", k)
         if key not in self._kept:
-            scene = self._scene(k, nu, shares[-1], coupling=False, cycles=0, increments=len(shares))
-            simulation = Simulation(self.comm, scene, self._cells(scene, shares)).run_to_end()
+            scene = self._scene(k, NU, SHARES[-1], coupling=False, cycles=0, increments=len(SHARES))
+            simulation = Simulation(self.comm, scene, self._cells(scene)).run_to_end()
             loaded = [e for e in simulation.history.entries if e.step.branch == "initial"]
             fields = [_field(entry, simulation) for entry in loaded]
-            self._kept[key] = dict(zip(shares, fields, strict=True))
+            self._kept[key] = dict(zip(SHARES, fields, strict=True))
         return self._kept[key]
 
     def loop(self, k: float, nu: float, amplitude: float, coupling: bool) -> Loop:
@@ -102,7 +102,7 @@ class Runs:
             for entry in simulation.history.entries:  # A is the end of the first loading, not of the cycle
                 if entry.step.state and entry.step.state not in states:
                     states[entry.step.state] = _field(entry, simulation)
-            energy = simulation.history.dissipated_energy / own_units(simulation.contact, MU).energy
+            energy = simulation.history.dissipated_energy / own_units(simulation.contact).energy
             self._kept[key] = Loop(states, energy)
         return self._kept[key]
 
@@ -122,16 +122,16 @@ class Runs:
         }
         return make_scene(scene | self.overrides, base=None)
 
-    def _cells(self, scene, shares) -> Grading:
+    def _cells(self, scene) -> Grading:
         """Cells graded to the stick edges of every share, not of the last alone."""
         contact = Scaled.of(scene).contact
-        edges = [contact.fretting(MU, z=1 - share).c for share in shares] + [contact.a]
+        edges = [contact.fretting(MU, z=1 - share).c for share in SHARES] + [contact.a]
         edges = sorted([*edges, *(-e for e in edges)])
         return Grading(edges=tuple(edges), **scene.cell_sizes)
 
 
 def _field(entry, simulation: Simulation) -> Field:
-    own, surface = own_units(simulation.contact, MU), entry.surface
+    own, surface = own_units(simulation.contact), entry.surface
     return Field(
         x=surface.x / own.length,
         weight=surface.weight / own.length,
@@ -143,7 +143,7 @@ def _field(entry, simulation: Simulation) -> Field:
 
 def closed_field(normal: CylinderContact, loop, x, Q: float, branch: str) -> dict[str, np.ndarray]:
     """Closed forms [X5] at x (in a), in ``own_units``; slip as h_x, along the traction, zero outside the contact."""
-    own, inside = own_units(normal, loop.mu), np.abs(x) <= 1
+    own, inside = own_units(normal), np.abs(x) <= 1
     at = x * normal.a
     slip = np.where(inside, loop.slip(at, Q, branch), 0.0) / own.slip
     return {"traction": loop.traction(at, Q, branch) / own.traction, "slip": slip}

@@ -31,7 +31,7 @@ def curve(k: float, y0_over_a0: float, amplitude, nu: float = NU) -> np.ndarray:
     """[X4] at amplitude = Q_A/(mu P), any shape, over mu² P a0²/(2R)."""
     normal = contact(k, y0_over_a0, nu)
     work = normal.slip_work(np.log1p(-np.asarray(amplitude, dtype=float)))
-    return MU**2 * normal.solid.alpha * work / homogeneous_units(normal, MU).energy
+    return MU**2 * normal.solid.alpha * work / homogeneous_units(normal).energy
 
 
 HOMOGENEOUS = Line(0.0, 1.0, r"$k = 0$ (homogeneous)", RED, "*")
@@ -78,7 +78,7 @@ def _draw(runs, title, note, lines, titles):
     for (axis, logarithmic), (panel, curves) in zip(axes.T, lines.items(), strict=True):
         for line in curves:
             normal = contact(line.k, line.y0_over_a0)
-            own, units = own_units(normal, MU), homogeneous_units(normal, MU)
+            own, units = own_units(normal), homogeneous_units(normal)
             energies = curve(line.k, line.y0_over_a0, share)
             for one in (axis, logarithmic):
                 one.plot(share[1:], energies[1:], color=line.colour)

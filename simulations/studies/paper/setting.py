@@ -33,21 +33,21 @@ def contact(k: float, y0_over_a0: float, nu: float = NU) -> CylinderContact:
     return CylinderContact(solid, R=1.0, P=pi / (4 * (1 - nu**2)))  # (57) with a0 = 1
 
 
-def homogeneous_units(normal: CylinderContact, mu: float) -> Units:
+def homogeneous_units(normal: CylinderContact) -> Units:
     """The figures' units: a0, mu p0 with p0 = 2P/(pi a0), mu a0²/(2R), mu² P a0/R, mu² P a0²/(2R).
 
     The paper says "normalized"; with these the homogeneous curve of (59) is 1 - z² + 2 z ln z and ends at 1.
     """
     a0, P, R = normal.a0, normal.P, normal.R
-    traction, slip = mu * 2 * P / (pi * a0), mu * a0**2 / (2 * R)
-    return Units(a0, traction, slip, mu**2 * P * a0 / R, mu**2 * P * a0**2 / (2 * R))
+    traction, slip = MU * 2 * P / (pi * a0), MU * a0**2 / (2 * R)
+    return Units(a0, traction, slip, MU**2 * P * a0 / R, MU**2 * P * a0**2 / (2 * R))
 
 
-def own_units(normal: CylinderContact, mu: float) -> Units:
+def own_units(normal: CylinderContact) -> Units:
     """Units of the graded contact itself, in which y0 does not matter: a power law has no length of its own.
 
     a, mu p(0), mu alpha a²/(2R) and the products of these.
     """
-    traction = mu * normal.peak_pressure
-    slip = mu * normal.solid.alpha * normal.a**2 / (2 * normal.R)
+    traction = MU * normal.peak_pressure
+    slip = MU * normal.solid.alpha * normal.a**2 / (2 * normal.R)
     return Units(normal.a, traction, slip, traction * slip, traction * slip * normal.a)
