@@ -1,10 +1,14 @@
 """Scenes that solve in a fraction of a second, and commands run as a user runs them."""
 
+import csv
 import os
 import shutil
 import subprocess
 import sys
 from pathlib import Path
+
+import h5py
+import numpy as np
 
 from simulations.studies.costs.cases import SWEPT
 
@@ -70,6 +74,18 @@ def coarse_arguments(folder, **changes) -> list[str]:
 def contents(folder: Path) -> dict[Path, bytes]:
     """Every file in it."""
     return {path.relative_to(folder): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+def csv_rows(path) -> list[dict[str, str]]:
+    """Rows of a table by column."""
+    with open(path, newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def surface(folder: Path) -> dict[str, np.ndarray]:
+    """What surface.h5 of a run has, by name."""
+    with h5py.File(folder / "surface.h5") as file:
+        return {name: file[name][...] for name in file}
 
 
 def fill_disk(monkeypatch, call: int):

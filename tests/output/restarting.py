@@ -1,13 +1,12 @@
 """A short run, what is refused, and whether a run that was interrupted ended as if nothing had happened."""
 
-import csv
 import json
 
-import h5py
 import meshio
 import numpy as np
 import pandas
 import pytest
+from running import csv_rows, surface
 
 from simulations import fretting
 from simulations.scene import SceneError
@@ -28,16 +27,6 @@ def refusal(*arguments) -> str:
     return str(error.value)
 
 
-def surface(folder):
-    with h5py.File(folder / "surface.h5") as file:
-        return {name: file[name][...] for name in file}
-
-
-def history(folder):
-    with open(folder / "history.csv", newline="") as file:
-        return list(csv.DictReader(file))
-
-
 def assert_same(folder, expected):
     """Every number of every load step, and every file, as in the run that was not stopped."""
     mine, theirs = surface(folder), surface(expected)
@@ -46,12 +35,13 @@ def assert_same(folder, expected):
             scale = np.abs(theirs[name]).max()
             assert mine[name].shape == theirs[name].shape
             assert np.abs(mine[name] - theirs[name]).max() <= SAME * scale, name
-    for one, other in zip(history(folder), history(expected), strict=True):
+    histories = [csv_rows(place / "history.csv") for place in (folder, expected)]
+    for one, other in zip(*histories, strict=True):
         for name in ("increment", "branch", "cycle", "state"):
             assert one[name] == other[name]
     for name in COLUMNS:
         if name in other:
-            values = np.array([[float(row[name]) for row in history(place)] for place in (folder, expected)])
+            values = np.array([[float(row[name]) for row in rows] for rows in histories])
             assert values[0] == pytest.approx(values[1], rel=1e-9, abs=1e-9 * np.abs(values[1]).max()), name
     assert_same_fields(folder, expected)
     assert json.loads((folder / "summary.json").read_text())["converged"] is True

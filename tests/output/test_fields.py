@@ -1,6 +1,5 @@
 """Fields of the body: against stresses that share nothing with the finite elements, and read back by other tools."""
 
-import csv
 import runpy
 
 import h5py
@@ -10,7 +9,7 @@ import pytest
 import ufl
 from dolfinx import fem
 from mpi4py import MPI
-from running import coarse_arguments, run_command
+from running import coarse_arguments, csv_rows, run_command, surface
 from solving import coarse_simulation
 
 from simulations import fretting
@@ -260,9 +259,9 @@ def test_lines(folder):
     assert len(table) == 7 * (5 + 7 + 1) and list(table["state"].unique()) == ["normal", "A", "B", "C", "D", "E"]
     assert {f"{name}[Pa]" for name in FIELDS[1:-1]} < set(table.columns)
     top = table[(table["depth[m]"] == 0) & (table["increment"] == 2)]
-    with h5py.File(folder / "surface.h5") as file:
-        middle = np.abs(file["x"][...]).argmin()
-        pressure, traction = file["pressure"][2, middle], file["traction"][2, middle]
+    data = surface(folder)
+    middle = np.abs(data["x"]).argmin()
+    pressure, traction = data["pressure"][2, middle], data["traction"][2, middle]
     assert top["stress_yy[Pa]"].item() == pytest.approx(-pressure, rel=5e-3)
     assert top["stress_xy[Pa]"].item() == pytest.approx(traction, rel=5e-3)
 
@@ -276,8 +275,7 @@ def test_other_degrees(degree, tmp_path):
     assert fields["displacement"].function_space.element.basix_element.degree == degree
     y = fields["displacement"].function_space.mesh.geometry.x[:, 1]
     assert y.max() == 0.0
-    with open(tmp_path / "history.csv", newline="") as file:
-        delta = float(list(csv.DictReader(file))[-1]["delta_y[m]"])
+    delta = float(csv_rows(tmp_path / "history.csv")[-1]["delta_y[m]"])
     assert fields["displacement"].x.array[1::2].min() == pytest.approx(-delta, rel=1e-4)
 
 

@@ -1,6 +1,5 @@
 """The page of a run: one file that needs no other, true to the files of the run, in words."""
 
-import csv
 import json
 import shutil
 from html.parser import HTMLParser
@@ -11,7 +10,7 @@ import h5py
 import matplotlib.pyplot as plt
 import pytest
 from mpi4py import MPI
-from running import COARSE, coarse_arguments
+from running import COARSE, coarse_arguments, csv_rows
 
 from simulations import fretting, report
 from simulations.output import page_figures, plots
@@ -105,8 +104,7 @@ def test_a_warning_is_said(folder):
 
 
 def test_the_density_of_the_energy_is_drawn_where_the_run_has_it(folder):
-    with (folder / "history.csv").open() as file:
-        rows = list(csv.DictReader(file))
+    rows = csv_rows(folder / "history.csv")
     drawn = surface(folder, rows)
     with h5py.File(folder / "surface.h5", "a") as file:
         assert file[DENSITY].shape == file["x"].shape
@@ -147,8 +145,7 @@ def test_values_of_a_reference_with_an_error_of_its_own(tmp_path, capsys):
 def drawn_surface(folder, monkeypatch):
     """The figure of the surface before it becomes a picture."""
     monkeypatch.setattr(page_figures, "png", lambda figure: figure)
-    with (folder / "history.csv").open() as file:
-        return surface(folder, list(csv.DictReader(file)))
+    return surface(folder, csv_rows(folder / "history.csv"))
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,5 @@
 """The main job as a user runs it, and its files opened again by other readers."""
 
-import csv
 import json
 from concurrent.futures import ThreadPoolExecutor
 
@@ -9,7 +8,7 @@ import meshio
 import numpy as np
 import pandas
 import pytest
-from running import coarse_arguments, run_command
+from running import coarse_arguments, csv_rows, run_command, surface
 from solving import CYCLING, limit_stepping
 
 from simulations import fretting
@@ -24,18 +23,13 @@ def summary(default_run):
     return json.loads((default_run / "summary.json").read_text())
 
 
-def test_default_loop_is_within_a_tenth_of_a_per_cent(summary):
-    assert summary["converged"] and summary["ranks"] == 2
-    scalars = {"a", "c", "c_over_a", "peak_pressure", "dissipated_energy"}
-    assert set(summary["errors"]) == {"pressure_l2", "traction_l2", "slip_l2", *scalars}
-    for name, error in summary["errors"].items():
-        assert abs(error) < 1e-3, name
-
-
 def test_default_loop_is_as_good_as_published(summary):
     """What README says, with a margin for other versions of the libraries."""
+    assert summary["converged"] and summary["ranks"] == 2
     limits = {"pressure_l2": 1.5e-4, "traction_l2": 2e-4, "slip_l2": 5e-5, "a": 2e-5, "c": 1e-4}
-    for name, limit in (limits | {"dissipated_energy": 5e-5}).items():
+    limits |= {"c_over_a": 1e-3, "peak_pressure": 1e-3, "dissipated_energy": 5e-5}
+    assert set(summary["errors"]) == set(limits)
+    for name, limit in limits.items():
         assert abs(summary["errors"][name]) < limit, name
 
 
@@ -56,8 +50,7 @@ def test_scene_is_resolved_and_can_be_run_again(default_run):
 
 
 def test_history(default_run, summary):
-    with open(default_run / "history.csv", newline="") as file:
-        rows = list(csv.DictReader(file))
+    rows = csv_rows(default_run / "history.csv")
     assert len(rows) == summary["increments"]
     assert [row["state"] for row in rows if row["cycle"] == "1" and row["state"]] == ["B", "C", "D", "E", "A"]
     energy = [float(row["dissipated_energy[J/m]"]) for row in rows]
@@ -67,8 +60,8 @@ def test_history(default_run, summary):
 
 
 def test_surface(default_run, summary):
+    data = surface(default_run)
     with h5py.File(default_run / "surface.h5") as file:
-        data = {name: file[name][...] for name in file}
         units = {name: file[name].attrs.get("unit") for name in file}
     n, s = data["x"].size, summary["increments"]
     for name in ("pressure", "traction", "slip", "gap", "contact_state", "frictional_work"):
@@ -87,10 +80,10 @@ def test_surface(default_run, summary):
 def test_contact_states_go_with_the_tractions(default_run):
     """Separated exactly where there is no pressure, slip where the traction is at its limit; edges where states end."""
     history = pandas.read_csv(default_run / "history.csv")
-    with h5py.File(default_run / "surface.h5") as file:
-        x, states, pressure, traction, gap = (
-            file[name][...] for name in ("x", "contact_state", "pressure", "traction", "gap")
-        )
+    data = surface(default_run)
+    x, states, pressure, traction, gap = (
+        data[name] for name in ("x", "contact_state", "pressure", "traction", "gap")
+    )
     separated, stick, slip = (states == value for value in (0, 1, 2))
     assert np.array_equal(separated, pressure <= 0)
     limit = 0.3 * pressure
@@ -110,8 +103,8 @@ def test_contact_states_go_with_the_tractions(default_run):
 def test_frictional_work_adds_up_to_the_dissipated_energy(default_run, summary):
     """The energy is the sum over the nodes: equal but for round-off, and for the 12 digits of the table."""
     history = pandas.read_csv(default_run / "history.csv")
-    with h5py.File(default_run / "surface.h5") as file:
-        weight, work, cycle = (file[name][...] for name in ("weight", "frictional_work", "frictional_work_of_cycle"))
+    data = surface(default_run)
+    weight, work, cycle = (data[name] for name in ("weight", "frictional_work", "frictional_work_of_cycle"))
     assert work @ weight == pytest.approx(history["dissipated_energy[J/m]"].to_numpy(), rel=2e-11)
     assert cycle @ weight == pytest.approx(summary["dissipated_energy"], rel=1e-12)
     assert np.diff(work, axis=0).min() > -1e-6 * cycle.max()  # friction gives nothing back
@@ -121,8 +114,8 @@ def test_frictional_work_density_is_that_of_the_closed_form(default_run):
     """w = 4 q h_x, (51): its L2 error lies between those of the slip (2e-5 ... 9e-4) and half those of the traction."""
     scene = parse((default_run / "scene.toml").read_text())
     loop = scene.contact.fretting(mu=scene.load.mu, z=1.0 - scene.load.amplitude)
-    with h5py.File(default_run / "surface.h5") as file:
-        x, weight, found = (file[name][...] for name in ("x", "weight", "frictional_work_of_cycle"))
+    data = surface(default_run)
+    x, weight, found = (data[name] for name in ("x", "weight", "frictional_work_of_cycle"))
     expected = loop.energy_density(x)
     assert weight @ (found - expected) ** 2 < 5e-4**2 * (weight @ expected**2)
     assert found.max() == pytest.approx(expected.max(), rel=2e-4)
@@ -143,13 +136,8 @@ def test_fields_open_in_another_reader(default_run, summary):
     assert displacement[centre, 1] == pytest.approx(-summary["indentation"], rel=2e-3)
     von_mises = at_cells["von_mises"][0]
     assert von_mises.shape == (len(cells[0].data),)
-    with h5py.File(default_run / "surface.h5") as file:
-        peak = file["pressure"][-1].max()
+    peak = surface(default_run)["pressure"][-1].max()
     assert 0.2 * peak < von_mises.max() < 2 * peak
-
-
-def test_picture(default_run):
-    assert (default_run / "fretting.png").read_bytes().startswith(b"\x89PNG")
 
 
 @pytest.fixture(scope="module")
@@ -176,10 +164,9 @@ def test_same_answer_on_three_ranks(runs_by_ranks):
     """To 1e-7 of the largest value: Newton ends at a force residual of 1e-9 P, which the smallest facets magnify. Two
     ranks are in test_folder.py, the full method in tests/mpi.
     """
-    with h5py.File(runs_by_ranks[1] / "surface.h5") as one, h5py.File(runs_by_ranks[3] / "surface.h5") as other:
-        for name in ("x", "weight", "pressure", "traction", "slip", "gap", "P_carried", "Q_carried"):
-            scale = np.abs(one[name][...]).max()
-            assert other[name][...] == pytest.approx(one[name][...], abs=1e-7 * scale), name
+    one, other = (surface(runs_by_ranks[ranks]) for ranks in (1, 3))
+    for name in ("x", "weight", "pressure", "traction", "slip", "gap", "P_carried", "Q_carried"):
+        assert other[name] == pytest.approx(one[name], abs=1e-7 * np.abs(one[name]).max()), name
 
 
 def test_newton_sees_the_whole_tangent_on_three_ranks(runs_by_ranks):
@@ -197,9 +184,8 @@ def test_cut_increments_give_the_same_answer(runs_by_ranks, tmp_path):
     """Three iterations are too few for some increments: they are halved, and nothing else changes."""
     done = run_command(*coarse_arguments(tmp_path), *most_iterations(3))
     assert done.returncode == 0 and "cuts" in done.stdout
-    with h5py.File(runs_by_ranks[1] / "surface.h5") as one, h5py.File(tmp_path / "surface.h5") as other:
-        scale = one["traction"][...].max()
-        assert other["traction"][-1] == pytest.approx(one["traction"][-1], abs=1e-4 * scale)
+    one, other = (surface(folder)["traction"] for folder in (runs_by_ranks[1], tmp_path))
+    assert other[-1] == pytest.approx(one[-1], abs=1e-4 * one.max())
 
 
 @pytest.mark.parametrize("ranks", [1, 2])
@@ -222,9 +208,9 @@ def test_failed_solve_keeps_what_it_had(tmp_path, monkeypatch):
     summary = json.loads((tmp_path / "summary.json").read_text())
     assert summary["converged"] is False and summary["increments"] >= 2
     assert "dissipated_energy" not in summary and "differences" not in summary
-    with h5py.File(tmp_path / "surface.h5") as file:
-        assert file["pressure"].shape[0] == summary["increments"]
-        assert file["pressure"][-1] @ file["weight"][...] == pytest.approx(file["P_prescribed"][-1], rel=1e-8)
+    data = surface(tmp_path)
+    assert data["pressure"].shape[0] == summary["increments"]
+    assert data["pressure"][-1] @ data["weight"] == pytest.approx(data["P_prescribed"][-1], rel=1e-8)
     with ThreadPoolExecutor(1) as other:  # which can write now
         assert other.submit(writing.acquire, blocking=False).result()
         other.submit(writing.release).result()

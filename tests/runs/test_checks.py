@@ -1,6 +1,5 @@
 """Checks of a finished run: they hold, and each sees what is wrong; energy of every load step."""
 
-import csv
 import json
 import re
 from dataclasses import replace
@@ -8,7 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from running import coarse_arguments, run_command
+from running import coarse_arguments, csv_rows, run_command
 from solving import coarse_simulation, solved
 
 from simulations.output.table import table
@@ -111,8 +110,7 @@ def test_user_sees_checks_and_changing_states(tmp_path):
     assert "checks hold" in done.stdout
     found = json.loads((tmp_path / "summary.json").read_text())["checks"]
     assert found["load balance"]["holds"] and found["|q| <= mu p"]["value"] <= found["|q| <= mu p"]["limit"]
-    with open(tmp_path / "history.csv", newline="") as file:
-        changed = [list(map(int, row["states_changed"].split())) for row in csv.DictReader(file)]
+    changed = [list(map(int, row["states_changed"].split())) for row in csv_rows(tmp_path / "history.csv")]
     assert max(map(max, filter(None, changed))) > 0
 
 

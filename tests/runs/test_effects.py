@@ -1,6 +1,5 @@
 """Only the effects that a scene calls for: what is on, what is off leaves no trace, and each against its reference."""
 
-import csv
 import json
 from types import SimpleNamespace
 
@@ -8,7 +7,7 @@ import h5py
 import numpy as np
 import pytest
 from mpi4py import MPI
-from running import ROOT, coarse_arguments, run_command
+from running import ROOT, coarse_arguments, csv_rows, run_command
 from solving import coarse_simulation, deviations, solved
 
 from analytic.half_plane.linear import ContactNotConverged
@@ -85,8 +84,7 @@ def test_frictionless_scene_leaves_no_trace_of_friction(tmp_path):
     assert done.returncode == 0, done.stderr
     with h5py.File(tmp_path / "surface.h5") as file:
         assert not [name for name in file if name.startswith(("traction", "slip", "Q_", "frictional"))]
-    with open(tmp_path / "history.csv", newline="") as file:
-        columns = csv.DictReader(file).fieldnames
+    columns = csv_rows(tmp_path / "history.csv")[0]
     assert not [name for name in columns if name.startswith(("Q", "delta_x", "c[", "dissipated"))]
 
 

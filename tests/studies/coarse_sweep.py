@@ -1,8 +1,6 @@
 """A coarse sweep: its command line, and the rows of its table."""
 
-import csv
-
-from running import COARSE
+from running import COARSE, csv_rows
 
 COARSE_SETS = tuple(f"{key}={value}" for key, value in {**COARSE, "effects.coupling": "false"}.items())
 VARY = ("solid.k=0:0.6:3", "load.mu=0.2,0.5")
@@ -16,5 +14,4 @@ def arguments(folder, vary=VARY, *more):
 
 def rows_of(folder):
     """Rows of its table."""
-    with open(folder / "sweep.csv", newline="") as file:
-        return list(csv.DictReader(file))
+    return csv_rows(folder / "sweep.csv")

@@ -1,8 +1,7 @@
 """The map of what coupling changes: known changes, none at the Holl ratio, a table that goes on where it ended."""
 
-import csv
-
 import pytest
+from running import csv_rows
 
 from simulations.studies import coupling as coupling_map
 from simulations.studies.coupling import COLUMNS, changes
@@ -37,6 +36,5 @@ def test_table_is_resumed_and_drawn(tmp_path, monkeypatch):
     store.write_text("".join(store.read_text().splitlines(True)[:-1]))
     coupling_map.main(arguments)
     assert len(computed) == 37 and computed[-1] == computed[-2] == pytest.approx((0.7, 0.5, 0.6))
-    with table.open(newline="") as file:
-        assert len(list(csv.DictReader(file))) == 36
+    assert len(csv_rows(table)) == 36
     assert all((tmp_path / f"coupling.{suffix}").stat().st_size > 1e4 for suffix in ("png", "svg"))

@@ -107,19 +107,24 @@ def test_a_row_is_the_scene_alone(table):
     assert float(row["c_over_a"]) == pytest.approx(simulation.history.entries[-1].c / simulation.history.entries[-1].a)
 
 
-def test_a_body_is_shared_where_it_is_the_same(monkeypatch):
-    """Friction and cylinder only scale an uncoupled contact."""
-    bodies = []
-    run_one = sweeping.run_scene
+@pytest.fixture
+def bodies(monkeypatch):
+    """Weak references to the body of every scene that is solved."""
+    found, run_one = [], sweeping.run_scene
 
     def watched(values):
         row = run_one(values)
-        bodies.append(id(sweeping._kept[0].body))
+        found.append(weakref.ref(sweeping._kept[0].body))
         return row
 
     monkeypatch.setattr(sweeping, "run_scene", watched)
+    return found
+
+
+def test_a_body_is_shared_where_it_is_the_same(bodies):
+    """Friction and cylinder only scale an uncoupled contact."""
     sweep(vary={"load.mu": [0.2, 0.5], "indenter.R": [0.1, 0.2]}, sets=(*COARSE_SETS, "solid.k=0"))
-    assert len(bodies) == 4 and len(set(bodies)) == 1
+    assert len(bodies) == 4 and len(set(map(id, bodies))) == 1  # an object has one weak reference
 
 
 def test_a_failed_scene_is_a_row(tmp_path):
@@ -209,17 +214,8 @@ def test_threads_are_refused(tmp_path):
     assert not (tmp_path / "out").exists()
 
 
-def test_memory_is_flat(monkeypatch):
+def test_memory_is_flat(bodies):
     """Eight scenes with a body each: none of them stays."""
-    bodies = []
-    run_one = sweeping.run_scene
-
-    def watched(values):
-        row = run_one(values)
-        bodies.append(weakref.ref(sweeping._kept[0].body))
-        return row
-
-    monkeypatch.setattr(sweeping, "run_scene", watched)
     sweep(vary={"solid.k": [0.1 * n for n in range(1, 9)]}, sets=(*COARSE_SETS, "load.cycles=0"))
     gc.collect()
     gc.collect()  # what the first pass set free
