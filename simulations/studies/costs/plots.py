@@ -55,11 +55,7 @@ def draw(rows: list[dict], folder: Path) -> list[Path]:
 
 def work_precision(rows):
     """Error against seconds for each quantity, fineness by fineness."""
-    lines = {
-        p: _by_seconds(r for r in rows if r["study"] in ("fineness", "peer") and r["problem"] == p)
-        for p in UNCOUPLED
-    }
-    lines = {problem: line for problem, line in lines.items() if line}
+    lines = _lines(rows, UNCOUPLED)
     if not lines:
         return None
     figure, axes = plt.subplots(1, len(QUANTITIES), figsize=(13, 3.6), sharey=True, layout="constrained")
@@ -78,9 +74,7 @@ def work_precision(rows):
 
 def coupled(rows):
     """Loops with coupling, every state: worst q and the energy of the cycle against seconds, load steps included."""
-    found = [row for row in rows if row["study"] in ("fineness", "peer") and row.get("traction_of_states", "") != ""]
-    lines = {p: _by_seconds(row for row in found if row["problem"] == p) for p in WITH_COUPLING}
-    lines = {problem: line for problem, line in lines.items() if line}
+    lines = _lines([row for row in rows if row.get("traction_of_states", "") != ""], WITH_COUPLING)
     if not lines:
         return None
     figure, axes = plt.subplots(1, 2, figsize=(9, 4.2), sharey=True, layout="constrained")
@@ -193,8 +187,11 @@ def pareto(rows):
     return figure
 
 
-def _by_seconds(rows):
-    return sorted(rows, key=lambda row: row["cpu_s"])
+def _lines(rows, problems):
+    """Rows of the study of fineness and of the peer by problem, in the order of their seconds."""
+    found = sorted((row for row in rows if row["study"] in ("fineness", "peer")), key=lambda row: row["cpu_s"])
+    lines = {problem: [row for row in found if row["problem"] == problem] for problem in problems}
+    return {problem: line for problem, line in lines.items() if line}
 
 
 def _finest(found, problem, key):
