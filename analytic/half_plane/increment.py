@@ -26,7 +26,7 @@ class Increment:
 
         Each iteration solves the linear problem of the current sets, and then changes the status of every
         node that violates its conditions (a semismooth Newton step). Should the sets cycle, a path of
-        solutions is followed from the sets reached, which needs no luck. Raises ContactNotConverged.
+        solutions is followed from the sets reached, which ends. Raises ContactNotConverged.
         """
         seen, problems = set(), LinearProblems(self.operator, self.mu)
         try:

@@ -86,7 +86,7 @@ def style():
 
 
 def panels(columns: int, title: str, note: str, rows: int = 1, width: float = 5.2, height: float = 4.4):
-    """A figure with axes (rows, columns), a title, and a note below on what the paper leaves open."""
+    """A figure with axes (rows, columns), a title, and a note below."""
     size = (width * columns, height * rows + 0.5)
     figure, axes = plt.subplots(rows, columns, figsize=size, layout="constrained", squeeze=False)
     figure.get_layout_engine().set(w_pad=0.08, h_pad=0.06)

@@ -41,11 +41,6 @@ difference vanishes at the Holl ratio, ν = 1/(2+k): 0.5 at k = 0, 0.43 at 0.3, 
 
 """
 
-OTHER_MEASURES = """
-[coupling.md](coupling.md) compares other things: the slip between ±Q_A, whose difference hardly depends on μ, and the
-energy of the first cycle, which begins before the loop has closed.
-"""
-
 
 def main(arguments: list[str]):
     """Check every sentence, print the table, and write it as a page where one is asked for."""
@@ -70,7 +65,8 @@ def friction_line() -> str:
     found = [difference(COUPLED.k, COUPLED.nu, mu) for mu in FRICTION]
     words = [f"μ = {d.mu:g}: {d.slip:.1%} / {d.traction:.1%} / {d.energy:+.1%}" for d in found if d is not None]
     text = f"\nThe difference in slip and traction grows with μ, that in energy hardly does: at {COUPLED.name}, "
-    return minus_signs(text + "; ".join(words)) + ".\n" + OTHER_MEASURES
+    elsewhere = "[coupling.md](coupling.md) takes other measures of slip and energy."
+    return minus_signs(f"{text}{'; '.join(words)}.\n{elsewhere}\n")
 
 
 def read(arguments: list[str]) -> Namespace:
