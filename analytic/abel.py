@@ -15,12 +15,7 @@ from scipy.special import betainc
 from . import punch_nodes
 from .checks import require_positive_k
 from .quadrature import by_blocks
-from .special import (
-    punch_displacement,
-    punch_gradient,
-    punch_relative_displacement,
-    punch_rigid_displacement,
-)
+from .special import punch_displacement, punch_gradient, punch_relative_displacement, punch_rigid_displacement
 
 ROUND_OFF = 1e-12  # of the power with which the traction falls from a sharp tip, finite there if it is positive
 

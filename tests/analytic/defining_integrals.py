@@ -139,12 +139,8 @@ class Medium:
         factor = mp.gamma((2 + k) / 2) / (mp.sqrt(mp.pi) * mp.gamma((1 + k) / 2))
         power = (k - 1) / 2
         if low > x:
-            return factor * integrate(
-                lambda u, d: density(low + u) * ((low + u) ** 2 - x**2) ** power, a - low
-            )
-        return factor * integrate(
-            lambda u, d: density(x + u) * (u * (2 * x + u)) ** power, a - x, left=power
-        )
+            return factor * integrate(lambda u, d: density(low + u) * ((low + u) ** 2 - x**2) ** power, a - low)
+        return factor * integrate(lambda u, d: density(x + u) * (u * (2 * x + u)) ** power, a - x, left=power)
 
     def constant(self):
         k = self.k
@@ -171,11 +167,7 @@ class Medium:
         """(10), and (11) for x = 0; 0 < k < 1."""
         parameter = self.b if parameter is None else parameter
         top = min(x, a)
-        result = (
-            self.constant() * integrate(lambda u, d: density(top + u), a - top)
-            if a > top
-            else mp.mpf(0)
-        )
+        result = self.constant() * integrate(lambda u, d: density(top + u), a - top) if a > top else mp.mpf(0)
         if x > 0:
             result += integrate(lambda u, d: density(u) * self.decaying(x, u), top)
         return parameter * self.y0**self.k / self.E0 * result

@@ -6,13 +6,7 @@ from math import gamma
 import numpy as np
 import pytest
 
-from analytic import (
-    CylinderContact,
-    GradedHalfPlane,
-    PowerProfile,
-    Profile,
-    ProfileContact,
-)
+from analytic import CylinderContact, GradedHalfPlane, PowerProfile, Profile, ProfileContact
 from analytic.coupled import CoupledLoop
 from analytic.coupled.exponents import edge_exponent
 from analytic.coupled.linear import solve

@@ -6,24 +6,11 @@ from functools import lru_cache
 import mpmath as mp
 import numpy as np
 import pytest
-from defining_integrals import (
-    EPS,
-    EXPONENTS,
-    SELECTED,
-    Cylinder,
-    kernel_displacement,
-    load_within,
-    relative_error,
-)
+from defining_integrals import EPS, EXPONENTS, SELECTED, Cylinder, kernel_displacement, load_within, relative_error
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from analytic import (
-    CylinderContact,
-    GradedHalfPlane,
-    GradedPair,
-    UndefinedDisplacementError,
-)
+from analytic import CylinderContact, GradedHalfPlane, GradedPair, UndefinedDisplacementError
 
 RTOL = 1e-12
 
@@ -47,14 +34,7 @@ def test_half_width(k, nu, y0):
     K, a0 = mp.mpf(k), mp.sqrt(4 * (1 - mp.mpf(nu) ** 2) * mp.mpf(1e-3) * 3 / (mp.pi * 2))
     assert relative_error(contact.a0, a0) < 1e-14
     bk = reference.b * reference.k
-    x1 = (
-        mp.sqrt(mp.pi)
-        / 2
-        * bk
-        / (1 - mp.mpf(nu) ** 2)
-        * mp.gamma((4 + K) / 2)
-        * mp.gamma((1 - K) / 2)
-    )
+    x1 = mp.sqrt(mp.pi) / 2 * bk / (1 - mp.mpf(nu) ** 2) * mp.gamma((4 + K) / 2) * mp.gamma((1 - K) / 2)
     assert relative_error(contact.a, a0 * (x1 * (y0 / a0) ** K) ** (1 / (2 + K))) < 1e-14
 
 
@@ -63,9 +43,7 @@ def test_homogeneous_half_width():
     for y0 in (1e-6, 1e6):
         contact = CylinderContact(GradedHalfPlane(2.0, 0.3, 0.0, y0), 3.0, 1e-3)
         assert contact.a == pytest.approx(contact.a0, rel=1e-15)
-        assert math.pi * 2.0 * contact.a0**2 / (4 * (1 - 0.3**2) * 3.0) == pytest.approx(
-            1e-3, rel=1e-15
-        )
+        assert math.pi * 2.0 * contact.a0**2 / (4 * (1 - 0.3**2) * 3.0) == pytest.approx(1e-3, rel=1e-15)
 
 
 @pytest.mark.parametrize("k", SELECTED)
@@ -79,18 +57,14 @@ def test_pressure(k):
         exact = reference.pressure(reference.n, mp.mpf(x), a) / load * mp.mpf(1e-3)
         assert relative_error(contact.pressure(x), exact) < RTOL
         assert contact.pressure(-x) == contact.pressure(x)
-    np.testing.assert_array_equal(
-        contact.pressure(contact.a * np.array([-1, 1, 1 + EPS, 2, 1e9])), 0
-    )
+    np.testing.assert_array_equal(contact.pressure(contact.a * np.array([-1, 1, 1 + EPS, 2, 1e9])), 0)
     power = (1 + mp.mpf(k)) / 2
     for x in [1e-200, 1e-12, 0.3, 0.7, 0.9, 1 - 1e-9]:
         x = x * contact.a
         exact = mp.mpf(1e-3) * load_within(mp.mpf(x), a, power) / load_within(a, a, power)
         assert relative_error(contact.pressure_within(x), exact) < RTOL
         assert contact.pressure_within(-x) == -contact.pressure_within(x)
-    assert (
-        contact.pressure_within(contact.a) == contact.P == -contact.pressure_within(-3 * contact.a)
-    )
+    assert contact.pressure_within(contact.a) == contact.P == -contact.pressure_within(-3 * contact.a)
     assert contact.pressure_within(0) == 0
 
 
@@ -129,27 +103,17 @@ def test_displacement(k):
     """(46) against (11), and u_y against (10)."""
     contact, reference = case(k)
     a = mp.mpf(contact.a)
-    assert (
-        relative_error(contact.indentation, reference.displacement(reference.n, mp.mpf(0), a))
-        < RTOL
-    )
+    assert relative_error(contact.indentation, reference.displacement(reference.n, mp.mpf(0), a)) < RTOL
     for x in [0.5, 1.0, 1.0001, 2.0, 1e3, 1e9]:
         x = x * contact.a
-        assert (
-            relative_error(
-                contact.displacement(x), reference.displacement(reference.n, mp.mpf(x), a)
-            )
-            < RTOL
-        )
+        assert relative_error(contact.displacement(x), reference.displacement(reference.n, mp.mpf(x), a)) < RTOL
 
 
 @pytest.mark.parametrize("k", [k for k in EXPONENTS if k <= 0])
 def test_undefined_displacement(k):
     """delta_y and u_y do not exist for k <= 0."""
     contact, _ = case(k)
-    with pytest.raises(
-        UndefinedDisplacementError, match=r"indentation delta_y does not exist .* without bound"
-    ):
+    with pytest.raises(UndefinedDisplacementError, match=r"indentation delta_y does not exist .* without bound"):
         _ = contact.indentation
     with pytest.raises(UndefinedDisplacementError, match="does not exist"):
         contact.displacement(0.0)
@@ -203,24 +167,14 @@ def test_properties(solid, R, P, ratios):
     assert np.all((p >= 0) & (p <= contact.peak_pressure))
     # equilibrium: mean pressures of facets, Gauss-Jacobi in x/a
     nodes, weights = np.polynomial.legendre.leggauss(200)
-    theta = (
-        (nodes + 1) * math.pi / 4
-    )  # x = a sin(theta) leaves cos^(2+k), of which 200 nodes give 6 digits at k = -0.99
-    total = (
-        2
-        * contact.a
-        * math.pi
-        / 4
-        * weights
-        @ (contact.pressure(contact.a * np.sin(theta)) * np.cos(theta))
-    )
+    # x = a sin(theta) leaves cos^(2+k), of which 200 nodes give 6 digits at k = -0.99
+    theta = (nodes + 1) * math.pi / 4
+    total = 2 * contact.a * math.pi / 4 * weights @ (contact.pressure(contact.a * np.sin(theta)) * np.cos(theta))
     assert total == pytest.approx(P, rel=1e-5)
     assert contact.pressure_within(2 * contact.a) == P
     # the deformed surface does not pass through the cylinder
     assert np.all(contact.gap(x) >= 0)
-    np.testing.assert_allclose(
-        contact.gap(x) + contact.relative_displacement(x), contact.profile(x), rtol=1e-14
-    )
+    np.testing.assert_allclose(contact.gap(x) + contact.relative_displacement(x), contact.profile(x), rtol=1e-14)
     # scaling of (43)
     heavier = CylinderContact(solid, R, 2 * P)
     assert (heavier.a / contact.a) ** (2 + solid.k) == pytest.approx(2, rel=1e-12)

@@ -71,17 +71,10 @@ def test_printed_forms_of_the_parabolic_gap(k, s):
 
     def gap(x):
         y = 1 - S**2 / x**2
-        return (
-            x**2 * scale * y ** ((3 - K) / 2) * mp.hyp2f1((1 - K) / 2, (2 - K) / 2, (5 - K) / 2, y)
-        )
+        return x**2 * scale * y ** ((3 - K) / 2) * mp.hyp2f1((1 - K) / 2, (2 - K) / 2, (5 - K) / 2, y)
 
     with mp.workdps(60):
-        assert (
-            relative_error(
-                special.parabolic_gap_slope(1.0, s, k), mp.diff(gap, 1, h=mp.mpf(10) ** -25) / 2
-            )
-            < 1e-13
-        )
+        assert relative_error(special.parabolic_gap_slope(1.0, s, k), mp.diff(gap, 1, h=mp.mpf(10) ** -25) / 2) < 1e-13
 
 
 @pytest.mark.parametrize("k", EXPONENTS)

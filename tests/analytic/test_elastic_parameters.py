@@ -78,9 +78,7 @@ def test_holl_ratio(k):
 def test_modulus():
     """(1)."""
     solid = GradedHalfPlane(E0=5.0, nu=0.2, k=-0.5, y0=4.0)
-    np.testing.assert_allclose(
-        solid.modulus([[1.0, 4.0], [16.0, 64.0]]), [[10, 5], [2.5, 1.25]], rtol=1e-15
-    )
+    np.testing.assert_allclose(solid.modulus([[1.0, 4.0], [16.0, 64.0]]), [[10, 5], [2.5, 1.25]], rtol=1e-15)
     assert solid.modulus(0) == math.inf
     assert GradedHalfPlane(5.0, 0.2, 0.5, 4.0).modulus(0) == 0
     with pytest.raises(ValueError, match="outside the body"):

@@ -5,16 +5,7 @@ import math
 import mpmath as mp
 import numpy as np
 import pytest
-from defining_integrals import (
-    DIGITS,
-    EPS,
-    EXPONENTS,
-    SELECTED,
-    integrate,
-    kernel_displacement,
-    nonzero,
-    relative_error,
-)
+from defining_integrals import DIGITS, EPS, EXPONENTS, SELECTED, integrate, kernel_displacement, nonzero, relative_error
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import minimize_scalar
@@ -65,16 +56,12 @@ def test_dissipated_energy_over_the_whole_range(k, z):
     contact, K = contact_of(k), mp.mpf(k)
     gamma = mp.mpf(z) ** (1 / (2 + K))
     S = (1 - gamma ** (4 + K)) / (4 + K) - gamma**2 * ((1 - gamma**K) / K if k else -mp.log(gamma))
-    scale = (
-        2 * mp.mpf(MU) ** 2 * mp.mpf(contact.solid.alpha) * mp.mpf(P) * mp.mpf(contact.a) ** 2 / R
-    )
+    scale = 2 * mp.mpf(MU) ** 2 * mp.mpf(contact.solid.alpha) * mp.mpf(P) * mp.mpf(contact.a) ** 2 / R
     assert relative_error(contact.fretting(MU, z=z).dissipated_energy, scale * S) < 1e-13
     Q_A = float(mp.mpf(MU) * mp.mpf(P) * (1 - mp.mpf(z)))
     if Q_A < MU * P:
         gamma = exact_z(Q_A) ** (1 / (2 + K))
-        S = (1 - gamma ** (4 + K)) / (4 + K) - gamma**2 * (
-            (1 - gamma**K) / K if k else -mp.log(gamma)
-        )
+        S = (1 - gamma ** (4 + K)) / (4 + K) - gamma**2 * ((1 - gamma**K) / K if k else -mp.log(gamma))
         assert relative_error(contact.fretting(MU, Q_A).dissipated_energy, scale * S) < 1e-13
 
 
@@ -85,9 +72,7 @@ def test_limits_of_the_dissipated_energy(k):
     scale = 2 * MU**2 * contact.solid.alpha * P * contact.a**2 / R
     small = contact.fretting(MU, 1e-9 * MU * P).dissipated_energy
     assert small == pytest.approx(scale * 1e-27 / (3 * (2 + k) ** 2), rel=1e-8)
-    assert contact.fretting(MU, z=1e-300).dissipated_energy == pytest.approx(
-        scale / (4 + k), rel=1e-14
-    )
+    assert contact.fretting(MU, z=1e-300).dissipated_energy == pytest.approx(scale / (4 + k), rel=1e-14)
     assert contact.fretting(MU, 0.0).dissipated_energy == 0
 
 
@@ -128,9 +113,7 @@ def test_energy_is_the_integral_of_its_density(k):
     x = loop.c + (loop.a - loop.c) * (1 - v**2)  # w falls like (a-x)^((1+k)/2)
     total = 2 * np.sum(weight / 2 * 2 * v * (loop.a - loop.c) * loop.energy_density(x))
     assert total == pytest.approx(loop.dissipated_energy, rel=1e-6)
-    np.testing.assert_array_equal(
-        loop.energy_density([-2 * loop.a, 0.0, 0.99 * loop.c, loop.a, 2 * loop.a]), 0
-    )
+    np.testing.assert_array_equal(loop.energy_density([-2 * loop.a, 0.0, 0.99 * loop.c, loop.a, 2 * loop.a]), 0)
     np.testing.assert_array_equal(loop.energy_density(-x), loop.energy_density(x))
 
 
@@ -151,9 +134,7 @@ def test_maximum_of_the_energy_density(k):
     sliding = contact_of(k).fretting(MU, z=1e-12)
     assert place(sliding) / sliding.a == pytest.approx(math.sqrt(2 / (3 + k)), abs=1e-5)
     sticking = contact_of(k).fretting(MU, 1e-5 * MU * P)
-    assert (place(sticking) - sticking.c) / (sticking.a - sticking.c) == pytest.approx(
-        (3 - k) / 4, abs=1e-4
-    )
+    assert (place(sticking) - sticking.c) / (sticking.a - sticking.c) == pytest.approx((3 - k) / 4, abs=1e-4)
 
 
 @pytest.mark.parametrize("k", [-0.9, 0.0, 0.5])
@@ -176,9 +157,7 @@ def test_unloading_against_kernel(k, share):
         return peak * ((s - x) * (s + x) / a**2) ** power if x < s else mp.mpf(0)
 
     def shift(s, x):
-        return kernel_displacement(
-            K, compliance, lambda u, e: peak * (e * (s + u) / a**2) ** power, x, s, power
-        )
+        return kernel_displacement(K, compliance, lambda u, e: peak * (e * (s + u) / a**2) ** power, x, s, power)
 
     for x in (float(0.5 * c), float((c + d) / 2), float((a + d) / 2)):
         X = mp.mpf(x)
@@ -225,18 +204,14 @@ def test_properties(k, nu, load, share, ratios):
     assert loop.traction_within(2 * loop.a, Q, "unloading") == pytest.approx(Q, abs=1e-14 * Q_A)
     np.testing.assert_array_equal(loop.traction(x, -Q, "reloading"), -q)
     np.testing.assert_array_equal(loop.slip(x, -Q, "reloading"), -h)
-    np.testing.assert_array_equal(
-        loop.traction_within(x, -Q, "reloading"), -loop.traction_within(x, Q, "unloading")
-    )
+    np.testing.assert_array_equal(loop.traction_within(x, -Q, "reloading"), -loop.traction_within(x, Q, "unloading"))
     # ends of the branches
     scale_q, scale_h = 1e-14 * full.traction(loop.c), 1e-13 * full.slip(loop.a)
     for branch, end in (("initial", 1), ("reloading", 1), ("unloading", -1)):
         np.testing.assert_allclose(
             loop.traction(x, end * Q_A, branch), end * full.traction(x), rtol=1e-12, atol=scale_q
         )
-        np.testing.assert_allclose(
-            loop.slip(x, end * Q_A, branch), end * full.slip(x), rtol=1e-12, atol=scale_h
-        )
+        np.testing.assert_allclose(loop.slip(x, end * Q_A, branch), end * full.slip(x), rtol=1e-12, atol=scale_h)
     np.testing.assert_array_equal(loop.traction(x, Q_A, "unloading"), full.traction(x))
     np.testing.assert_array_equal(loop.traction(x, 0, "initial"), 0)
     # slip moves against the traction: back during unloading
@@ -262,12 +237,8 @@ def test_loop_area(k, load):
     width = loop.rigid_shift(Q, "unloading") - loop.rigid_shift(Q, "reloading")
     area = loop.Q_A * weight @ width
     assert area == pytest.approx(loop.dissipated_energy, rel=1e-12 + 4 * EPS / (k * load**2))
-    assert loop.rigid_shift(loop.Q_A, "initial") == pytest.approx(
-        loop.amplitude.rigid_shift, rel=1e-14
-    )
-    assert loop.rigid_shift(-loop.Q_A, "unloading") == pytest.approx(
-        -loop.amplitude.rigid_shift, rel=1e-12
-    )
+    assert loop.rigid_shift(loop.Q_A, "initial") == pytest.approx(loop.amplitude.rigid_shift, rel=1e-14)
+    assert loop.rigid_shift(-loop.Q_A, "unloading") == pytest.approx(-loop.amplitude.rigid_shift, rel=1e-12)
 
 
 def test_loads_and_points_broadcast():
@@ -286,13 +257,9 @@ def test_loads_and_points_broadcast():
 def test_inadmissible_cycles():
     """Every refusal names the value and the range."""
     loop = contact_of(-0.4).fretting(MU, 1e-4)
-    with pytest.raises(
-        ValueError, match=r"branch = 'down' is not one of \('initial', 'unloading', 'reloading'\)"
-    ):
+    with pytest.raises(ValueError, match=r"branch = 'down' is not one of \('initial', 'unloading', 'reloading'\)"):
         loop.traction(0.0, 0.0, "down")
-    with pytest.raises(
-        ValueError, match=r"Q = .*0.0002.* is outside the unloading branch, -0.0001 <= Q <= 0.0001"
-    ):
+    with pytest.raises(ValueError, match=r"Q = .*0.0002.* is outside the unloading branch, -0.0001 <= Q <= 0.0001"):
         loop.slip(0.0, 2e-4, "unloading")
     with pytest.raises(ValueError, match=r"is outside the initial branch, 0.0 <= Q <= 0.0001"):
         loop.slip(0.0, [0.0, -1e-4], "initial")

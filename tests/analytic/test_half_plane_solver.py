@@ -8,14 +8,7 @@ from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 from scipy.special import ellipk, ellipkm1
 
-from analytic import (
-    CylinderContact,
-    GradedHalfPlane,
-    PowerProfile,
-    Profile,
-    ProfileContact,
-    StretchedLoop,
-)
+from analytic import CylinderContact, GradedHalfPlane, PowerProfile, Profile, ProfileContact, StretchedLoop
 from analytic.half_plane.linear import ContactNotConverged
 from analytic.half_plane.solver import HalfPlaneContact
 

@@ -87,11 +87,8 @@ def test_slip_against_integral(k):
     contact = contact_of(k)
     for load in (1e-3, 0.9):
         state = contact.partial_slip(MU, load * MU * P)
-        a, c = (
-            mp.mpf(state.a),
-            mp.mpf(state.a)
-            * (1 - mp.mpf(load * MU * P) / (MU * mp.mpf(P))) ** (1 / (2 + mp.mpf(k))),
-        )
+        a = mp.mpf(state.a)
+        c = a * (1 - mp.mpf(load * MU * P) / (MU * mp.mpf(P))) ** (1 / (2 + mp.mpf(k)))
         for fraction in (0.1, 1):
             x = mp.mpf(float(c + fraction * (a - c)))
             h = MU * exact.relative_displacement(exact.n, x, a, start=c, parameter=exact.g)
@@ -131,9 +128,7 @@ def test_slip_against_kernel(k):
     peak = MU * mp.mpf(contact.peak_pressure)
 
     def relative(x):
-        outer = kernel_displacement(
-            K, compliance, lambda u, d: peak * (d * (a + u) / a**2) ** power, x, a, power
-        )
+        outer = kernel_displacement(K, compliance, lambda u, d: peak * (d * (a + u) / a**2) ** power, x, a, power)
         return outer - kernel_displacement(
             K, compliance, lambda u, d: peak * (d * (c + u) / a**2) ** power, x, c, power
         )
@@ -156,15 +151,10 @@ def test_slip_gradient(k):
     for fraction in (0.1, 0.7):
         x = mp.mpf(float(c + fraction * (a - c)))
         h = [
-            MU
-            * exact.relative_displacement(
-                exact.n, x + s * step, mp.mpf(2 * a), start=mp.mpf(c), parameter=exact.g
-            )
+            MU * exact.relative_displacement(exact.n, x + s * step, mp.mpf(2 * a), start=mp.mpf(c), parameter=exact.g)
             for s in (-1, 1)
         ]
-        assert (
-            relative_error(state.slip_gradient(float(x)), (h[1] - h[0]) / (2 * step)) < 1e-11
-        )  # step² and c to EPS
+        assert relative_error(state.slip_gradient(float(x)), (h[1] - h[0]) / (2 * step)) < 1e-11  # step² and c to EPS
         assert state.slip_gradient(-float(x)) == -state.slip_gradient(float(x))
     near = state.slip_gradient(c + (a - c) * np.array([1e-5, 2e-5]))
     assert np.log2(near[1] / near[0]) == pytest.approx((1 - k) / 2, abs=1e-4)
@@ -193,14 +183,7 @@ def test_rigid_shift(k):
     exact = reference(k)
     for state, z in states(k):
         a, c = mp.mpf(state.a), mp.mpf(state.a) * z ** (1 / (2 + mp.mpf(k)))
-        shift = (
-            exact.constant()
-            * (exact.slope * (a**2 - c**2) / 2)
-            * exact.g
-            * exact.y0**exact.k
-            / exact.E0
-            * MU
-        )
+        shift = exact.constant() * (exact.slope * (a**2 - c**2) / 2) * exact.g * exact.y0**exact.k / exact.E0 * MU
         assert relative_error(state.rigid_shift, shift) < RTOL
 
 
@@ -216,9 +199,7 @@ def test_homogeneous_and_scaled_depths(k, y0):
     """(47), (50) depend on y0 through a alone."""
     state, other = contact_of(k, y0=y0).partial_slip(MU, 1e-4), contact_of(k).partial_slip(MU, 1e-4)
     x = np.linspace(0, 1, 11)
-    np.testing.assert_allclose(
-        state.traction(x * state.a) * state.a, other.traction(x * other.a) * other.a, rtol=1e-13
-    )
+    np.testing.assert_allclose(state.traction(x * state.a) * state.a, other.traction(x * other.a) * other.a, rtol=1e-13)
     slip, expected = state.slip(x * state.a) / state.a**2, other.slip(x * other.a) / other.a**2
     np.testing.assert_allclose(slip, expected, rtol=1e-13, atol=1e-14 * expected.max())
 
@@ -235,9 +216,7 @@ def test_homogeneous_forms():
         q = MU * E0 / (2 * (1 - nu**2) * R) * np.sqrt((a0 - x) * (a0 + x))
         np.testing.assert_allclose(state.traction(x), q, rtol=rtol)
         h = MU / (2 * R) * (x * np.sqrt((x - c) * (x + c)) - c**2 * np.arccosh(x / c))
-        np.testing.assert_allclose(
-            state.slip(x), h, rtol=1e-10 + 1000 * abs(k)
-        )  # (54) itself cancels near c
+        np.testing.assert_allclose(state.slip(x), h, rtol=1e-10 + 1000 * abs(k))  # (54) itself cancels near c
 
 
 @pytest.mark.parametrize(
@@ -285,9 +264,7 @@ def test_properties(k, nu, load, other_load, ratios):
     assert mirrored.Q == -state.Q == pytest.approx(-Q, rel=1e-15)
     assert 0 < state.c < contact.a
     larger = contact.partial_slip(MU, other_load * MU * P)
-    assert (larger.c <= state.c) == (other_load >= load) or larger.c == pytest.approx(
-        state.c, rel=4 * EPS
-    )
+    assert (larger.c <= state.c) == (other_load >= load) or larger.c == pytest.approx(state.c, rel=4 * EPS)
     # facet by facet, the integral of q is between the extremes of q
     inner = np.sort(x.ravel())
     parts = np.diff(state.traction_within(inner)) / 2
@@ -307,6 +284,4 @@ def test_limits_of_the_stick_zone():
         sliding = contact.partial_slip(MU, z=1e-300)
         assert sliding.c < 1e-99 * contact.a
         np.testing.assert_allclose(sliding.traction(x), MU * contact.pressure(x), rtol=1e-15)
-        np.testing.assert_allclose(
-            sliding.slip(x), MU * contact.solid.alpha * contact.profile(x), rtol=1e-12
-        )
+        np.testing.assert_allclose(sliding.slip(x), MU * contact.solid.alpha * contact.profile(x), rtol=1e-12)

@@ -7,14 +7,7 @@ import numpy as np
 import pytest
 from defining_integrals import Medium, abel_derivative, relative_error
 
-from analytic import (
-    CylinderContact,
-    GradedHalfPlane,
-    PowerProfile,
-    Profile,
-    ProfileContact,
-    UndefinedDisplacementError,
-)
+from analytic import CylinderContact, GradedHalfPlane, PowerProfile, Profile, ProfileContact, UndefinedDisplacementError
 from analytic.special import punch_rigid_factor
 
 E0, NU, Y0, MU = 2.0, 0.3, 0.2, 0.5
@@ -68,9 +61,7 @@ def test_power_profiles(k, m):
     assert relative_error(contact.P, load) < 1e-14
     for x in (0.01, 0.4, 0.699):
         assert relative_error(contact.pressure(x), medium.pressure(n, mp.mpf(x), a)) < RTOL
-        assert (
-            relative_error(contact.relative_displacement(x), mp.mpf("0.3") * mp.mpf(x) ** m) < RTOL
-        )
+        assert relative_error(contact.relative_displacement(x), mp.mpf("0.3") * mp.mpf(x) ** m) < RTOL
     if m + k > 0.2:
         for x in (0.701, 0.8, 30.0):
             exact = medium.relative_displacement(n, mp.mpf(x), a)
@@ -79,9 +70,7 @@ def test_power_profiles(k, m):
     if k > 0:
         assert relative_error(contact.indentation, medium.displacement(n, mp.mpf(0), a)) < RTOL
         for x in (0.3, 0.71, 30.0):
-            assert (
-                relative_error(contact.displacement(x), medium.displacement(n, mp.mpf(x), a)) < RTOL
-            )
+            assert relative_error(contact.displacement(x), medium.displacement(n, mp.mpf(x), a)) < RTOL
     else:
         with pytest.raises(UndefinedDisplacementError):
             _ = contact.indentation
@@ -93,9 +82,7 @@ def test_parabola_is_the_cylinder(k):
     cylinder = CylinderContact(solid_of(k), 3.0, 1e-3)
     parabola = Profile(lambda x: x**2 / 6, lambda x: x / 3, lambda x: np.full_like(x, 1 / 3))
     contact = ProfileContact(solid_of(k), parabola, cylinder.a)
-    assert ProfileContact.from_load(solid_of(k), parabola, 1e-3, 10.0).a == pytest.approx(
-        cylinder.a, rel=1e-13
-    )
+    assert ProfileContact.from_load(solid_of(k), parabola, 1e-3, 10.0).a == pytest.approx(cylinder.a, rel=1e-13)
     x = cylinder.a * np.array([0.0, 1e-9, 0.1, 0.5, 0.9, 0.999, 1.0, 1.5, 1e3])
     same = {"rtol": RTOL, "atol": 0}
     for name in ("pressure", "pressure_within", "relative_displacement"):
@@ -107,14 +94,10 @@ def test_parabola_is_the_cylinder(k):
         loops = [c.fretting(MU, z=1 - load) for c in (contact, cylinder)]
         general, closed = (loop.amplitude for loop in loops)
         c, a = closed.c, closed.a
-        points = np.concatenate(
-            [[-0.5 * c, 0.3 * c, 0.9 * c], c + (a - c) * np.array([0.3, 0.8, 1.0])]
-        )
+        points = np.concatenate([[-0.5 * c, 0.3 * c, 0.9 * c], c + (a - c) * np.array([0.3, 0.8, 1.0])])
         assert general.c == pytest.approx(c, rel=RTOL)
         for name in ("traction", "traction_within", "slip", "slip_gradient"):
-            np.testing.assert_allclose(
-                getattr(general, name)(points), getattr(closed, name)(points), **same
-            )
+            np.testing.assert_allclose(getattr(general, name)(points), getattr(closed, name)(points), **same)
         assert loops[0].dissipated_energy == pytest.approx(loops[1].dissipated_energy, rel=RTOL)
         Q = 0.3 * loops[1].Q_A
         turned = [loop.slip(points, Q, "unloading") for loop in loops]
@@ -124,9 +107,7 @@ def test_parabola_is_the_cylinder(k):
 
 
 @pytest.mark.parametrize("k", [-0.6, 0.0, 0.7])
-@pytest.mark.parametrize(
-    "profile", [circle(1.0), rounded_punch(0.3, 2.0)], ids=["circle", "rounded punch"]
-)
+@pytest.mark.parametrize("profile", [circle(1.0), rounded_punch(0.3, 2.0)], ids=["circle", "rounded punch"])
 def test_profile_against_kernel(k, profile):
     """(5) by differences of its integral; (8): kernel (2) under the pressure is the profile."""
     contact, medium = ProfileContact(solid_of(k), profile, 0.6), Medium(E0, NU, k, Y0)
@@ -143,9 +124,7 @@ def test_profile_against_kernel(k, profile):
     for x in (0.2, 0.45, 0.59):
         breaks = sorted({0.0, x, 0.6, *([0.3] if profile.flat else [])})
         h = kernel_quadrature(contact.pressure, k, x, breaks, power)
-        assert compliance * h == pytest.approx(
-            profile.height(np.float64(x)), rel=1e-8, abs=1e-8 * profile.height(0.59)
-        )
+        assert compliance * h == pytest.approx(profile.height(np.float64(x)), rel=1e-8, abs=1e-8 * profile.height(0.59))
 
 
 def kernel_quadrature(pressure, k, x, breaks, power):
@@ -187,18 +166,14 @@ def test_partial_slip_of_any_profile(k, profile):
     inner = ProfileContact(solid_of(k), profile, c)
     assert inner.P == pytest.approx(0.45 * contact.P, rel=RTOL)
     x = np.concatenate([c * np.array([0.2, 0.7, 0.99]), c + (a - c) * np.array([0.01, 0.5, 0.99])])
-    np.testing.assert_allclose(
-        state.traction(x), MU * (contact.pressure(x) - inner.pressure(x)), rtol=1e-10
-    )
+    np.testing.assert_allclose(state.traction(x), MU * (contact.pressure(x) - inner.pressure(x)), rtol=1e-10)
     expected = MU * (contact.pressure_within(x) - inner.pressure_within(x))
     np.testing.assert_allclose(state.traction_within(x), expected, rtol=RTOL)
     assert state.traction_within(1.0) == pytest.approx(state.Q, rel=RTOL)
     outside = x[x > c]
     gap = profile.height(outside) - inner.relative_displacement(outside)
     alpha = contact.solid.alpha
-    np.testing.assert_allclose(
-        state.slip(outside), MU * alpha * gap, rtol=1e-8, atol=1e-12 * profile.height(a)
-    )
+    np.testing.assert_allclose(state.slip(outside), MU * alpha * gap, rtol=1e-8, atol=1e-12 * profile.height(a))
     assert np.all(state.slip(x[x < c]) == 0)
     step = 1e-5 * (a - c)
     difference = (state.slip(outside[1] + step) - state.slip(outside[1] - step)) / (2 * step)
@@ -210,14 +185,10 @@ def test_partial_slip_of_any_profile(k, profile):
     total = 2 * (a - c) * np.sum(dt * w)
     assert loop.dissipated_energy == pytest.approx(total, rel=1e-9)
     if k > 0:
-        assert state.rigid_shift == pytest.approx(
-            MU * alpha * (contact.indentation - inner.indentation), rel=RTOL
-        )
+        assert state.rigid_shift == pytest.approx(MU * alpha * (contact.indentation - inner.indentation), rel=RTOL)
     q = loop.traction(x, -0.2 * loop.Q_A, "unloading")
     assert np.all(np.abs(q) <= MU * contact.pressure(x) * (1 + 1e-13))
-    assert loop.traction_within(1.0, -0.2 * loop.Q_A, "unloading") == pytest.approx(
-        -0.2 * loop.Q_A, rel=1e-11
-    )
+    assert loop.traction_within(1.0, -0.2 * loop.Q_A, "unloading") == pytest.approx(-0.2 * loop.Q_A, rel=1e-11)
 
 
 @pytest.mark.parametrize(("k", "z"), [(-0.9, 0.01), (-0.99, 0.5), (0.5, 1e-8)])

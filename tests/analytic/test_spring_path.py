@@ -6,14 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import brentq
 
-from analytic import (
-    CylinderContact,
-    GradedHalfPlane,
-    PowerProfile,
-    Profile,
-    ProfileContact,
-    SpringPath,
-)
+from analytic import CylinderContact, GradedHalfPlane, PowerProfile, Profile, ProfileContact, SpringPath
 from analytic.special import punch_rigid_factor
 
 MU, P, R = 0.4, 1.5, 2.0

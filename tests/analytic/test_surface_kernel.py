@@ -6,19 +6,8 @@ import pytest
 from scipy.integrate import quad
 
 from analytic import GradedHalfPlane
-from analytic.half_plane.interpolation import (
-    Edges,
-    adapted,
-    coefficients_of,
-    integral,
-    interpolated,
-    linear,
-)
-from analytic.half_plane.operator import (
-    SurfaceOperator,
-    element_moments,
-    nodal_integrals,
-)
+from analytic.half_plane.interpolation import Edges, adapted, coefficients_of, integral, interpolated, linear
+from analytic.half_plane.operator import SurfaceOperator, element_moments, nodal_integrals
 from analytic.half_plane.surface_kernel import PowerLawKernel
 from analytic.point_force import point_force_displacement, point_force_stress
 

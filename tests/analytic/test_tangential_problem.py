@@ -65,9 +65,7 @@ def test_uniform_shift(k):
     np.testing.assert_array_equal(shift.traction([0.7, -0.7, 0.8]), [np.inf, np.inf, 0.0])
     if k > 0:
         # (13): u_x(0) by the kernel, u_x(x) = u_x(0) - h_x(x)
-        rigid = (
-            compliance / K * 2 * integrate(lambda u, d: q(u, d) * u**-K, a, left=-K, right=power)
-        )
+        rigid = compliance / K * 2 * integrate(lambda u, d: q(u, d) * u**-K, a, left=-K, right=power)
         assert relative_error(shift.displacement(0.2), rigid) < RTOL
         h = kernel_displacement(K, compliance, q, mp.mpf(5), a, power)
         assert relative_error(shift.displacement(5.0), rigid - h) < RTOL
@@ -101,9 +99,7 @@ def test_prescribed_displacement(k):
         assert relative_error(fields.traction(x), medium.pressure(density, mp.mpf(x), a)) < RTOL
     for x in (0.02, 0.4, 0.7):
         assert fields.relative_displacement(x) == pytest.approx(shape.height(x), rel=RTOL)
-        assert fields.relative_displacement_gradient(-x) == pytest.approx(
-            -shape.slope(x), rel=1e-11
-        )
+        assert fields.relative_displacement_gradient(-x) == pytest.approx(-shape.slope(x), rel=1e-11)
     for x in (0.75, 20.0):
         exact = medium.relative_displacement(density, mp.mpf(x), a, parameter=medium.g)
         assert relative_error(fields.relative_displacement(x), exact) < RTOL
@@ -167,14 +163,11 @@ def test_uniform_traction(k):
         return mp.mpf(solid.tangential_compliance) / K * mp.mpf(q) * powers / (1 - K)
 
     for xi in x:
-        tolerance = (
-            1e-11 if abs(xi - a) > 0.05 else 1e-8
-        )  # n_x is singular at a, beside which the rule converges slowly
+        # n_x is singular at a, beside which the rule converges slowly
+        tolerance = 1e-11 if abs(xi - a) > 0.05 else 1e-8
         assert relative_error(fields.relative_displacement(xi), h(mp.mpf(xi))) < tolerance
     if k > 0:
-        rigid = (
-            mp.mpf(solid.tangential_compliance) / K * mp.mpf(q) * 2 * mp.mpf(a) ** (1 - K) / (1 - K)
-        )
+        rigid = mp.mpf(solid.tangential_compliance) / K * mp.mpf(q) * 2 * mp.mpf(a) ** (1 - K) / (1 - K)
         assert relative_error(fields.rigid_displacement, rigid) < RTOL
         assert relative_error(fields.displacement(5.0), rigid - h(mp.mpf(5))) < 1e-11
 

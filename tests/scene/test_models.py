@@ -8,14 +8,7 @@ import pytest
 from pydantic import Field, ValidationError
 from running import ROOT
 
-from simulations.scene import (
-    DEFAULT_SCENE,
-    Scene,
-    SceneError,
-    effects,
-    make_scene,
-    parse,
-)
+from simulations.scene import DEFAULT_SCENE, Scene, SceneError, effects, make_scene, parse
 from simulations.scene.fields import Number
 from simulations.scene.settings import EffectSwitches, Mesh, Reference, Solver
 from simulations.scene.tables import (

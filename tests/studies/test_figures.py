@@ -14,13 +14,7 @@ from simulations.runs.simulation import Simulation
 from simulations.studies.figures import FIGURES, lines
 from simulations.studies.paper import comparisons, distributions, energies
 from simulations.studies.paper.elements import Deviation, Runs
-from simulations.studies.paper.setting import (
-    NU,
-    SHARES,
-    contact,
-    homogeneous_units,
-    own_units,
-)
+from simulations.studies.paper.setting import NU, SHARES, contact, homogeneous_units, own_units
 
 
 @pytest.fixture(scope="module")

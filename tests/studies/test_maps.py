@@ -14,14 +14,7 @@ from simulations.studies import maps
 from simulations.studies.loops import simulate
 from simulations.studies.mapping import pictures
 from simulations.studies.mapping.answers import answer
-from simulations.studies.mapping.points import (
-    Point,
-    by_simulation,
-    by_theory,
-    depth_factors,
-    load,
-    profile,
-)
+from simulations.studies.mapping.points import Point, by_simulation, by_theory, depth_factors, load, profile
 from simulations.studies.paper import energies
 from simulations.studies.paper.elements import Runs
 from simulations.studies.paper.setting import MU, contact, own_units
