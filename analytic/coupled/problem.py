@@ -11,7 +11,7 @@ from ..half_plane.linear import ContactNotConverged
 from ..half_plane.surface_kernel import PowerLawKernel
 from ..normal import normal_contact
 from .exponents import edge_exponents, hilbert_ratio
-from .panels import Panels, even_kernel, graded
+from .panels import Panels, graded
 from .tractions import Interpolated
 
 LEVELS, RATIO = 15, 0.4  # of the panels on which the pressure of the normal stage is integrated or interpolated
@@ -64,7 +64,7 @@ class NormalStage:
 
     def __init__(self, solid, profile, P, mu, coupling, order):
         self.solid, self.P = solid, P
-        if not _is_even(getattr(profile, "m", 1.0)):
+        if getattr(profile, "m", 1.0) % 2:
             raise ContactNotConverged("the profile is no polynomial: its power has to be even")
         self._closed = normal_contact(solid, profile, P)
         self.a = self._closed.a
@@ -131,11 +131,3 @@ class NormalStage:
     def moved(self, x):
         """u_x at x in the contact, interpolated."""
         return self.problem.d * self._moved(x)[0]
-
-    def unit_of_length_shift(self):
-        """R(a/y0): the kernels of ``PowerLawKernel`` have y0 for the length that is a here."""
-        return float(even_kernel(np.array([self.a / self.solid.y0]), self.solid.k)[0])
-
-
-def _is_even(power):
-    return power == round(power) and round(power) % 2 == 0

@@ -5,6 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
+from .panels import even_kernel
 from .rule import smooth_rule
 
 
@@ -26,7 +27,8 @@ class Units:
         """Units of a normal stage."""
         solid, a = normal.solid, normal.a
         displacement = normal.P * (solid.y0 / a) ** solid.k / solid.E0
-        shift = normal.unit_of_length_shift() * normal.P / solid.E0
+        # R(a/y0): the kernels of ``PowerLawKernel`` have y0 for the length that is a here
+        shift = float(even_kernel(np.array([a / solid.y0]), solid.k)[0]) * normal.P / solid.E0
         return cls(a, normal.P / a, displacement, solid.gk * shift, solid.bk * shift)
 
     @property

@@ -27,7 +27,7 @@ def surface(folder: Path, rows: list[dict]) -> bytes | None:
     with h5py.File(folder / "surface.h5") as file:
         data = {name: file[name][()] for name in file if name not in ("state", "branch")}
         states = file["state"].asstr()[()]
-    named = _named(states)
+    named = {name: i for i, name in enumerate(states) if name}  # the last state of each name
     shown = dict(spread([*named.items()])) or {"last state": len(states) - 1}
     pressed = np.flatnonzero(data["pressure"].max(axis=0) > 0)
     reach = 1.12 * np.abs(data["x"][pressed]).max()
@@ -77,11 +77,6 @@ def convergence(rows: list[dict]) -> bytes:
         right.semilogy(numbers, [max(float(row["residual"]), 1e-17) for row in rows], "o", color=BLUE)
         right.set(xlabel="load step", ylabel="force residual over P [–]")
         return png(figure)
-
-
-def _named(states) -> dict[str, int]:
-    """The last state of each name, in the order in which the names first come."""
-    return {name: i for i, name in enumerate(states) if name}
 
 
 def _label(state, data, place, varies):

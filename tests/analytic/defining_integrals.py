@@ -125,21 +125,14 @@ class Medium:
         factor = 2 * self.E0 * mp.cos(k * mp.pi / 2) / (mp.pi * parameter * k * self.y0**k * s**k)
         return factor * derivative
 
-    def load(self, density, a, start=0):
+    def load(self, density, a):
         """(6), or (22)."""
-        return integrate(
-            lambda u, d: density(start + u) * (start + u) ** self.k,
-            a - start,
-            left=self.k if not start else 0,
-        )
+        return integrate(lambda u, d: density(u) * u**self.k, a, left=self.k)
 
-    def pressure(self, density, x, a, start=0):
-        """(7), or (18), of punches start < s < a."""
-        k, low = self.k, max(x, start)
+    def pressure(self, density, x, a):
+        """(7), or (18)."""
+        k, power = self.k, (self.k - 1) / 2
         factor = mp.gamma((2 + k) / 2) / (mp.sqrt(mp.pi) * mp.gamma((1 + k) / 2))
-        power = (k - 1) / 2
-        if low > x:
-            return factor * integrate(lambda u, d: density(low + u) * ((low + u) ** 2 - x**2) ** power, a - low)
         return factor * integrate(lambda u, d: density(x + u) * (u * (2 * x + u)) ** power, a - x, left=power)
 
     def constant(self):
@@ -186,6 +179,6 @@ class Cylinder(Medium):
         """n_y(s)."""
         return self.slope * s
 
-    def stick_half_width(self, z, a=None):
+    def stick_half_width(self, z):
         """c from (34), z = 1 - Q/(mu P)."""
-        return (self.a if a is None else a) * mp.mpf(z) ** (1 / (2 + self.k))
+        return self.a * mp.mpf(z) ** (1 / (2 + self.k))

@@ -13,8 +13,8 @@ from analytic.half_plane.surface_kernel import PowerLawKernel
 PROFILE, P = PowerProfile(0.5, 2.0), 1.0
 
 
-def press(loads=5):
-    return [(load, 0.0) for load in np.linspace(P / loads, P, loads)]
+def press():
+    return [(load, 0.0) for load in np.linspace(P / 5, P, 5)]
 
 
 def loop(mu, amplitude=0.9, steps=4):
@@ -24,9 +24,9 @@ def loop(mu, amplitude=0.9, steps=4):
     return [(P, amplitude * mu * P * t / steps) for t in turns]
 
 
-def breathing(mu, share):
+def breathing(mu):
     """Two cycles of P and Q together, in phase."""
-    return [(P + 0.5 * np.sin(t), share * mu * P * np.sin(t)) for t in np.linspace(0, 4 * np.pi, 17)[1:]]
+    return [(P + 0.5 * np.sin(t), 0.45 * mu * P * np.sin(t)) for t in np.linspace(0, 4 * np.pi, 17)[1:]]
 
 
 def unloading():
@@ -43,8 +43,8 @@ CASES = {  # each stopped without an answer as long as only active sets were tri
     "k = 0.5 from first contact": (0.5, 0.0, 2.0, True, press() + loop(2.0)),
     "k = 0.9 large amplitude": (0.9, 0.3, 0.3, False, [(P, 0.0), *loop(0.3, 0.999)]),
     "k = 0.9 incompressible": (0.9, 0.5, 2.0, True, press() + loop(2.0)),
-    "k = -0.3 breathing": (-0.3, 0.0, 0.3, True, press() + breathing(0.3, 0.45)),
-    "k = 0.9 breathing": (0.9, 0.0, 1.5, True, press() + breathing(1.5, 0.45)),
+    "k = -0.3 breathing": (-0.3, 0.0, 0.3, True, press() + breathing(0.3)),
+    "k = 0.9 breathing": (0.9, 0.0, 1.5, True, press() + breathing(1.5)),
     "k = 0 released": (0.0, 0.4, 0.3, True, unloading()),
     "k = -0.7 released": (-0.7, 0.0, 0.3, True, unloading()),
 }

@@ -25,12 +25,12 @@ def test_power_law_is_recovered(k, nu):
         assert computed == pytest.approx(expected, abs=1e-8 * expected[0] / 100)
 
 
-def coating(E, k=0.0, thickness=1.0, nu=0.3):
+def coating(E, k=0.0, thickness=1.0):
     """E(y) within the thickness on a substrate of modulus 1."""
     def modulus(y):
         return E(y) if y <= thickness else 1.0
 
-    surface = GradedHalfPlane(E(1e-9) * (1e9**k if k else 1.0), nu, k, 1.0)
+    surface = GradedHalfPlane(E(1e-9) * (1e9**k if k else 1.0), 0.3, k, 1.0)
     return LayeredKernel(modulus, surface, thickness, min(1e-3, thickness / 10), 30.0)
 
 

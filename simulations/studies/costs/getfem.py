@@ -93,12 +93,12 @@ def _loop(scene, scaled, grading, is_mixed, schedule):
     model.add_nonlinear_term(integration, f"(P*Test_d(2)+(pin*d(1)-Q)*Test_d(1))/{length!r}", CONTACT)
     model.add_nonlinear_term(integration, f"(1/r)*(l-{projection}).Test_l", CONTACT)
     nodes = u.basic_dof_nodes()[:, ::2]
-    solid = scaled.solid
+    place = nodes[0], np.maximum(-nodes[1], 0.0)  # x and depth
 
     def solve(P, Q):
         model.set_variable("P", [P])
         model.set_variable("Q", [Q])
-        displacement = point_force_displacement(solid, *_below(nodes), fixed_depth=grading.extent, P=P, Q=Q)
+        displacement = point_force_displacement(scaled.solid, *place, fixed_depth=grading.extent, P=P, Q=Q)
         displacement[1] *= -1.0  # up here, into the body there
         model.set_variable("far", displacement.T.ravel())
         _, converged = model.solve(
@@ -136,17 +136,12 @@ def _states(model, mesh, u, schedule, solve, mu):
     model.set_variable("f", [mu])
     model.set_variable("pin", [0.0])  # without friction nothing else holds the cylinder
     for step in schedule:
-        model.set_variable("s0", _slip_data(relative()))
+        begin = relative()
+        begin[1::2] = 0.0  # only x components: the positions at which the load step begins
+        model.set_variable("s0", begin)
         solve(step.P, step.Q)
         states.append(state() | {"slip": relative()[on_top] - rest})
     return states
-
-
-def _slip_data(relative):
-    """Field whose x components are the positions at which the load step begins."""
-    data = np.zeros_like(relative)
-    data[::2] = relative[::2]
-    return data
 
 
 def _errors(scene, scaled, schedule, states):
@@ -173,10 +168,6 @@ def _deviations(state, exact):
         "traction": relative_l2(weight, state["q"], exact.traction_at(x)),
         "slip": relative_l2(under, state["slip"], exact.slip_at(x)),
     }
-
-
-def _below(nodes):
-    return nodes[0], np.maximum(-nodes[1], 0.0)
 
 
 def _under(mesh, faces, strip):

@@ -39,8 +39,9 @@ HOMOGENEOUS = Line(0.0, 1.0, r"$k = 0$ (homogeneous)", RED, "*")
 
 def figure8(runs: Runs):
     """Various y0 for k = -0.5 and 0.5."""
+    others = [colour for colour in COLOURS if colour != RED]
     lines = {
-        panel: [Line(k, y, rf"$y_0 = {y:g}\,a_0$", c, m) for y, c, m in zip(DEPTHS, _others(), MARKERS, strict=False)]
+        panel: [Line(k, y, rf"$y_0 = {y:g}\,a_0$", c, m) for y, c, m in zip(DEPTHS, others, MARKERS, strict=False)]
         + [HOMOGENEOUS]
         for panel, k in EXPONENTS.items()
     }
@@ -65,10 +66,6 @@ def figure9(runs: Runs):
     titles = {panel: rf"({panel})  $y_0 = {y:g}\,a_0$" for panel, y in depths.items()}
     note = NOTE + "The exponents k are our choice: the paper names none in its text."
     return _draw(runs, "Figure 9. Dissipated energy for various exponents of grading", note, lines, titles)
-
-
-def _others():
-    return [colour for colour in COLOURS if colour != RED]
 
 
 def _draw(runs, title, note, lines, titles):
