@@ -7,7 +7,7 @@ from running import ROOT
 
 from simulations.studies.paper.claim import minus_signs
 from simulations.studies.paper.claims_coupling import TABLE_NU, cycle_claims, difference
-from simulations.studies.paper.claims_theory import position_of_maximum, theory_claims
+from simulations.studies.paper.claims_theory import theory_claims
 
 PAGE = (ROOT / "docs" / "claims.md").read_text(encoding="utf-8")
 
@@ -23,12 +23,6 @@ def test_page_holds_the_rows_found_now():
     assert len(claims) == 15
     for claim in claims + cycle_claims():
         assert without_round_off(claim.row()) in without_round_off(PAGE)
-
-
-@pytest.mark.parametrize("k, share, limit", [(0.0, 0.999999, (2 / 3) ** 0.5), (-0.5, 0.999999, 0.8**0.5)])
-def test_maximum_of_the_energy_density_at_full_slip(k, share, limit):
-    """x/a → sqrt(2/(3+k)) for c → 0; c/a is 1e-3 there, and the search goes to 1e-5."""
-    assert position_of_maximum(k, 1.0, share) == pytest.approx(limit, abs=1e-4)
 
 
 @pytest.mark.parametrize("k, nu", [(0.5, 0.4), (0.3, 0.3)])
