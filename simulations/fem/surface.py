@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -30,6 +31,7 @@ class SurfaceState:
     delta: np.ndarray  # (2,)
     neglected: np.ndarray  # (2, n) the u_x of the pressure and the u_y of the traction where coupling is off, else 0
     elastic: float = 0.0  # compliance of elastic slip
+    mu: float = 0.0  # coefficient of friction
 
     @property
     def relative_displacement(self) -> np.ndarray:
@@ -42,6 +44,18 @@ class SurfaceState:
         return self.u[Y] - self.neglected[Y] - self.delta[Y]
 
     @property
+    def limit(self) -> np.ndarray:
+        """The largest traction that friction allows, mu p (n,)."""
+        return self.mu * self.pressure
+
+    @cached_property
+    def slides(self) -> np.ndarray:
+        """Sign of the traction where points slide (n,), as it is at its limit; 0 elsewhere."""
+        limit = self.limit
+        at_limit = (limit > 0) & (np.abs(self.traction) >= limit - AT_LIMIT * limit.max())
+        return np.where(at_limit, np.sign(self.traction), 0.0)
+
+    @property
     def elastic_energy(self) -> float:
         """Stored by elastic slip,  ∫ c q²/2 dx ."""
         return self.elastic * self.line_load(self.traction**2) / 2
@@ -52,12 +66,12 @@ class SurfaceState:
 
 
 class SurfaceSampler:
-    """Collects a SurfaceState from all ranks. problem: any on the body; uncoupled: the pressure's u_x is no slip,
-    and the traction's u_y no gap.
+    """Collects a SurfaceState from all ranks. problem: any on the body; mu: coefficient of friction; uncoupled: the
+    pressure's u_x is no slip, and the traction's u_y no gap.
     """
 
-    def __init__(self, problem: ContactProblem, uncoupled: bool = False):
-        self.body, self._uncoupled = problem.body, uncoupled
+    def __init__(self, problem: ContactProblem, mu: float = 0.0, uncoupled: bool = False):
+        self.body, self.mu, self._uncoupled = problem.body, mu, uncoupled
         self._nodes = self.body.surface_nodes
         self.x = self._mirrored(self._nodes.x, -1)
         self.weight = self._collect_sums(problem.terms.tributary_lengths()[self._nodes.owned])
@@ -81,6 +95,7 @@ class SurfaceSampler:
             delta=self.body.delta.value.copy(),
             neglected=self._displacement(neglected),
             elastic=problem.elastic,
+            mu=self.mu,
         )
 
     def _displacement(self, u):
@@ -102,17 +117,6 @@ class SurfaceSampler:
         return np.concatenate([parity * values[:0:-1], values]) if self.body.is_half else values
 
 
-def at_limit(state: SurfaceState, mu: float) -> np.ndarray:
-    """Nodes (n,) in contact whose traction is at its limit mu p."""
-    limit = mu * state.pressure
-    return (limit > 0) & (np.abs(state.traction) >= limit - AT_LIMIT * limit.max())
-
-
-def sliding(state: SurfaceState, mu: float) -> np.ndarray:
-    """Sign of the traction where points slide (n,), 0 elsewhere."""
-    return np.where(at_limit(state, mu), np.sign(state.traction), 0.0)
-
-
 def fitted_contact_edges(state: SurfaceState, exponents: tuple[float, float]) -> tuple[float, float]:
     """Edges of the contact, where pressure ends like distance to a power, (1+k)/2 in (44); nan for under 4 nodes."""
     first, last = _longest_run(state.x, state.pressure > 0)
@@ -120,7 +124,7 @@ def fitted_contact_edges(state: SurfaceState, exponents: tuple[float, float]) ->
 
 
 def fitted_stick_edges(
-    state: SurfaceState, mu: float, direction: int, exponents: Callable[[float], Sequence[float]]
+    state: SurfaceState, direction: int, exponents: Callable[[float], Sequence[float]]
 ) -> tuple[float, float]:
     """Left and right edge of the longest stick zone; both are nan where fewer than 4 nodes stick. Zones that are less
     than BAND apart are one.
@@ -129,8 +133,7 @@ def fitted_stick_edges(
     the distance: (1+k)/2 in (47), and ``exponents`` of s at both edges. s is the sign of q there, which differs between
     both edges where P changes; where no point slides it is ``direction``, that of the load (+1, -1; 0: neither).
     """
-    limit, q = mu * state.pressure, state.traction
-    slides = sliding(state, mu)
+    limit, q, slides = state.limit, state.traction, state.slides
     closed = state.x[state.pressure > 0]
     band = BAND * np.ptp(closed) if closed.size else 0.0
     first, last = _longest_run(state.x, (limit > AT_LIMIT * limit.max()) & (slides == 0.0), band)

@@ -177,7 +177,7 @@ def restore(saved: Saved, simulation: Simulation):
         return
     sampler, solver, done = simulation.sampler, simulation.solver, simulation.schedule[: saved.increments]
     for step, row, changes in zip(done, saved.states, saved.changes, strict=True):
-        surface = SurfaceState(sampler.x, sampler.weight, **{name: row[name].copy() for name in SURFACE})
+        surface = SurfaceState(sampler.x, sampler.weight, mu=sampler.mu, **{name: row[name].copy() for name in SURFACE})
         iterations, residual, tolerance = int(row["iterations"]), float(row["residual"]), float(row["tolerance"])
         result = NewtonResult(True, iterations, residual, "", tolerance, changes)
         outcome = Outcome(step, (result,), int(row["cuts"]), float(row["unsettled"]))

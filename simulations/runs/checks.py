@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..fem.surface import SurfaceState, at_limit
+from ..fem.surface import SurfaceState
 from ..solvers.newton import ATTAINABLE, FORCE_TOLERANCE
 from .history import Entry, History
 
@@ -55,15 +55,15 @@ def check(history: History, height: Callable, cause: Callable[[], str] | None = 
         "contact has a width": Check(lost, 0.0, LOST if lost else ""),
     }
     if history.friction:
-        mu, loaded = history.mu, [entry for entry in entries if np.any(entry.surface.traction)]
+        loaded = [entry.surface for entry in entries if np.any(entry.surface.traction)]
         pairs = [(a.surface, b.surface) for a, b in zip(entries, entries[1:])]
         reach = largest(largest_motion(a, b) for a, b in pairs if np.any(b.traction))
-        wrong = [wrong_slip(a, b, mu, reach) for a, b in pairs]
+        wrong = [wrong_slip(a, b, reach) for a, b in pairs]
         checks |= {
-            "|q| <= mu p": Check(largest(excess(e.surface, mu) for e in loaded), 10 * max(tolerance, FORCE_TOLERANCE)),
+            "|q| <= mu p": Check(largest(map(excess, loaded)), 10 * max(tolerance, FORCE_TOLERANCE)),
             "energy >= 0": Check(max(-history.dissipated_energy, 0.0), 0.0),
             "slip against q": Check(largest(wrong), WRONG_SLIP),
-            "traction zigzags": Check(largest(traction_zigzags(e.surface, mu) for e in loaded), ZIGZAGS),
+            "traction zigzags": Check(largest(map(traction_zigzags, loaded)), ZIGZAGS),
         }
         if not checks["slip against q"].holds:
             number = np.argmax(wrong) + 1
@@ -132,10 +132,9 @@ def penetration(surface: SurfaceState, height: Callable) -> float:
     return float(max(-gap[open_nodes].min(initial=0.0), 0.0) / depth)
 
 
-def excess(surface: SurfaceState, mu: float) -> float:
+def excess(surface: SurfaceState) -> float:
     """Largest |q| - mu p over the largest mu p."""
-    limit = mu * surface.pressure
-    return float(max((np.abs(surface.traction) - limit).max(), 0.0) / limit.max())
+    return float(max((np.abs(surface.traction) - surface.limit).max(), 0.0) / surface.limit.max())
 
 
 def largest_motion(before: SurfaceState, after: SurfaceState) -> float:
@@ -144,18 +143,17 @@ def largest_motion(before: SurfaceState, after: SurfaceState) -> float:
     return float(np.abs(moved[after.pressure > 0]).max(initial=0.0))
 
 
-def wrong_slip(before: SurfaceState, after: SurfaceState, mu: float, reach: float = 0.0) -> float:
+def wrong_slip(before: SurfaceState, after: SurfaceState, reach: float = 0.0) -> float:
     """Work that friction does on points that slide along with it in a load step, relative to the largest possible one.
 
     The latter is that of the limit mu p and the largest motion at every point. A point sliding by less than Nitsche's
     method moves one that sticks may go the wrong way. reach: the largest motion of any step; one in which nothing
     moves, as at a dwell, shows round-off only and is measured by AT_REST of that.
     """
-    limit = mu * after.pressure
     moved = after.relative_displacement - before.relative_displacement
     touches = (before.pressure > 0) & (after.pressure > 0)  # of points that enter contact only a part is slip
-    work = np.where(at_limit(after, mu) & touches, -after.weight * after.traction * moved, 0.0)
-    most = after.line_load(limit) * max(largest_motion(before, after), AT_REST * reach)
+    work = np.where((after.slides != 0) & touches, -after.weight * after.traction * moved, 0.0)
+    most = after.line_load(after.limit) * max(largest_motion(before, after), AT_REST * reach)
     return float(-work[work < 0].sum() / most) if most > 0 else 0.0
 
 
@@ -172,14 +170,14 @@ def zigzags(values, scale: float = 0.0) -> float:
     return float(np.minimum(np.minimum(np.abs(a), np.abs(b)), np.abs(c))[in_turn].sum() / max(np.ptp(values), scale))
 
 
-def traction_zigzags(surface: SurfaceState, mu: float) -> float:
+def traction_zigzags(surface: SurfaceState) -> float:
     """Those of q over its range, or that of mu p where this is larger."""
-    return zigzags(surface.traction, mu * np.ptp(surface.pressure))
+    return zigzags(surface.traction, surface.mu * np.ptp(surface.pressure))
 
 
-def largest_zigzag(surface: SurfaceState, mu: float) -> float:
+def largest_zigzag(surface: SurfaceState) -> float:
     """The larger one of those of p and q."""
-    return max(zigzags(surface.pressure), traction_zigzags(surface, mu))
+    return max(zigzags(surface.pressure), traction_zigzags(surface))
 
 
 def drift(history: History) -> float:

@@ -4,31 +4,21 @@ The traction of a point that slides is q = ±mu p(t), with t from 0 to 1 in the 
 like between two states is known to leading order, and weighs the pressures before and after in -∫ q ds.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
 
-from ..fem.surface import SurfaceState, sliding
+from ..fem.surface import SurfaceState
 
 MOVES = 0.02  # of a point's distance from the edge: motions of the edge below do not count
 NEAREST = 0.25  # of the spacing of nodes: what an edge between nodes is known to
 
 
-@dataclass(frozen=True)
-class Moment:
-    """A state with the edges (left, right) of its contact."""
-
-    surface: SurfaceState
-    contact: tuple[float, float]
-
-    @property
-    def s(self) -> np.ndarray:
-        """Relative displacement (n,)."""
-        return self.surface.relative_displacement
+Edges = tuple[tuple[float, float], tuple[float, float]]  # left and right one of the contact, before and after a step
 
 
-def frictional_work(before: Moment, after: Moment, mu: float, k: float, earlier: Moment | None = None) -> np.ndarray:
+def frictional_work(
+    before: SurfaceState, after: SurfaceState, edges: Edges, k: float, earlier: SurfaceState | None = None
+) -> np.ndarray:
     """Energy that a load step dissipates per area of surface (n,), -∫ q ds. earlier: the state before ``before``; k:
     grading at the surface.
 
@@ -36,22 +26,23 @@ def frictional_work(before: Moment, after: Moment, mu: float, k: float, earlier:
     contact slides while its pressure is C (distance from the edge)^((1+k)/2), (44), for a part of the step. Both are
     averaged over the points that the edges pass. Points that stick do no work.
     """
-    p0, p1 = before.surface.pressure, after.surface.pressure
-    was, now = sliding(before.surface, mu), sliding(after.surface, mu)
+    p0, p1 = before.pressure, after.pressure
+    was, now = before.slides, after.slides
     touches = (p0 > 0) & (p1 > 0)
-    moved = after.s - before.s
+    s0, s1 = before.relative_displacement, after.relative_displacement
+    moved = s1 - s0
     goes_on, begins = touches & (now != 0) & (was == now), touches & (now != 0) & (was != now)
     enters, leaves = (p0 <= 0) & (now != 0), (p1 <= 0) & (was != 0)
-    mean = np.where(goes_on, mean_pressure(before, after, k), 0.0)
+    mean = np.where(goes_on, mean_pressure(before, after, edges, k), 0.0)
     if earlier is not None:
-        mean += np.where(goes_on, growth(before.s - earlier.s, moved) * (p1 - p0) / 12.0, 0.0)
+        mean += np.where(goes_on, growth(s0 - earlier.relative_displacement, moved) * (p1 - p0) / 12.0, 0.0)
     mean = np.where(begins, p1 - (p1 - p0) * 2.0 / (7.0 - k), mean)
     mean = np.where(enters | leaves, (p0 + p1) * 2.0 / (5.0 + k), mean)
-    q = mu * mean * np.where(leaves, was, now)
+    q = after.mu * mean * np.where(leaves, was, now)
     return np.maximum(-q * moved, 0.0)  # a point that has left contact may go on the other way
 
 
-def work_of_pressing(after: Moment, mu: float, k: float, m: float) -> np.ndarray:
+def work_of_pressing(after: SurfaceState, k: float, m: float) -> np.ndarray:
     """Energy per area of surface (n,) since first contact of a profile |x|^m that is pressed on with friction.
 
     Such a contact grows similar to itself: p = a^(m+k-1) p_1(x/a) and u_x = a^m u_1(x/a), so that its last state
@@ -61,9 +52,9 @@ def work_of_pressing(after: Moment, mu: float, k: float, m: float) -> np.ndarray
 
     which is zero where points stick, u_x ~ x|x|^(m-1). Load steps are no part of it.
     """
-    x, power = after.surface.x, 2.0 * m + k
-    rate = m * after.s - x * np.gradient(after.s, x)
-    g = np.where(sliding(after.surface, mu) != 0, mu * after.surface.pressure * np.abs(rate), 0.0)
+    x, s, power = after.x, after.relative_displacement, 2.0 * m + k
+    rate = m * s - x * np.gradient(s, x)
+    g = np.where(after.slides != 0, after.limit * np.abs(rate), 0.0)
     work = np.zeros(len(x))
     for side in (-1, 1):
         outwards = np.flatnonzero(side * x > 0)[::side]
@@ -84,16 +75,16 @@ def growth(slip_before, slip) -> np.ndarray:
     return np.where(same, 2.0 * (slip - slip_before) / np.where(same, slip + slip_before, 1.0), 0.0)
 
 
-def mean_pressure(before: Moment, after: Moment, k: float) -> np.ndarray:
+def mean_pressure(before: SurfaceState, after: SurfaceState, edges: Edges, k: float) -> np.ndarray:
     """Mean over the step of the pressure (n,) at points that stay in contact, of which an edge comes near or leaves.
 
     p = f(t) d(t)^((1+k)/2) with the distance d from the edge and f linear in t; far from the edge p is linear. No d is
     taken as less than the edges are known to: f of a node that an edge touches would hang on the edge's last digits.
     """
-    x, power = before.surface.x, (1.0 + k) / 2.0
-    p0, p1 = before.surface.pressure, after.surface.pressure
-    right = x > np.mean(before.contact)
-    distances = (np.where(right, m.contact[1] - x, x - m.contact[0]) for m in (before, after))
+    x, power = before.x, (1.0 + k) / 2.0
+    p0, p1 = before.pressure, after.pressure
+    right = x > np.mean(edges[0])
+    distances = (np.where(right, high - x, x - low) for low, high in edges)
     d0, d1 = (np.maximum(d, NEAREST * np.gradient(x)) for d in distances)
     near = np.abs(d1 - d0) > MOVES * np.maximum(d0, d1)
     d0, d1 = np.where(near, d0, 1.0), np.where(near, d1, 2.0)

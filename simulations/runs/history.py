@@ -5,10 +5,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..fem.surface import SurfaceState, fitted_contact_edges, fitted_stick_edges, sliding
+from ..fem.surface import SurfaceState, fitted_contact_edges, fitted_stick_edges
 from ..loading.schedule import LoadStep, pressed_first
 from ..loading.stepping import Outcome
-from .frictional_work import Moment, frictional_work, work_of_pressing
+from .frictional_work import frictional_work, work_of_pressing
 
 SEPARATED, STICK, SLIP = 0, 1, 2  # contact states in files
 PARABOLA = 2.0  # exponent for the first load step of a contact that does not grow similar to itself: an estimate
@@ -92,15 +92,15 @@ class History:
     def append(self, outcome: Outcome, surface: SurfaceState, seconds: float) -> Entry:
         """Add the state that ``outcome`` ended with."""
         step, s = outcome.step, surface.relative_displacement
-        ends = sliding(surface, self.mu)[np.flatnonzero(surface.pressure > 0)[[0, -1]]]  # they differ while P changes
+        ends = surface.slides[np.flatnonzero(surface.pressure > 0)[[0, -1]]]  # they differ while P changes
         x_l, x_r = (self._exponents(s or step.direction)[i] for i, s in zip((0, -1), ends))
         contact = fitted_contact_edges(surface, (x_l, x_r))
         stick, work = contact, np.zeros_like(s)
         if self.friction and np.any(surface.traction):
-            left, right = fitted_stick_edges(surface, self.mu, step.direction, lambda s: self._exponents(s)[1:3])
+            left, right = fitted_stick_edges(surface, step.direction, lambda s: self._exponents(s)[1:3])
             stick = max(left, contact[0]), min(right, contact[1])  # each is fitted by itself
         if self.friction:
-            work = self._work(step, Moment(surface, contact))
+            work = self._work(step, surface, contact)
         if step.branch == "normal":
             self._rest = s
         entry = Entry(
@@ -127,14 +127,14 @@ class History:
         """At x_l, c_l, c_r and x_r, where slip beside an edge has q = sign mu p."""
         return self.exponents(sign * self.mu) if self.exponents else 4 * ((1 + self.k) / 2,)
 
-    def _work(self, step: LoadStep, after: Moment) -> np.ndarray:
+    def _work(self, step: LoadStep, after: SurfaceState, contact: tuple[float, float]) -> np.ndarray:
         """Frictional work (n,) since the start."""
         steps = [*(entry.step for entry in self.entries), step]
         if not self.entries or self.m and pressed_first(steps) == len(steps):
-            return work_of_pressing(after, self.mu, self.k, self.m or PARABOLA)
-        *earlier, before = (Moment(e.surface, e.contact) for e in self.entries[-2:])
-        work = frictional_work(before, after, self.mu, self.k, earlier[0] if earlier else None)
-        return self.entries[-1].work + work
+            return work_of_pressing(after, self.k, self.m or PARABOLA)
+        *earlier, before = self.entries[-2:]
+        edges = before.contact, contact
+        return before.work + frictional_work(before.surface, after, edges, self.k, *(e.surface for e in earlier))
 
     @property
     def friction(self) -> bool:
@@ -159,8 +159,7 @@ class History:
 
     def contact_states(self, entry: Entry) -> np.ndarray:
         """SEPARATED, STICK or SLIP at each node (n,). Without friction what is in contact counts as STICK."""
-        slides = sliding(entry.surface, self.mu) != 0 if self.friction else False
-        return np.where(entry.surface.pressure > 0, np.where(slides, SLIP, STICK), SEPARATED)
+        return np.where(entry.surface.pressure > 0, np.where(entry.surface.slides != 0, SLIP, STICK), SEPARATED)
 
     @property
     def work(self) -> np.ndarray:

@@ -101,7 +101,7 @@ class Simulation(Plan):
             self._zigzag,
         )
         self.body.delta.value[Y] = indenter.height(self._first_half_width())  # overlap there: where Newton starts
-        self.sampler = SurfaceSampler(normal, scene.friction and "coupling" not in self.effects)
+        self.sampler = SurfaceSampler(normal, self.mu, scene.friction and "coupling" not in self.effects)
         self.resumed = 0  # times
         self.history = History(self._k_at_edges, self.mu, indenter.order if pressing else None, self._exponents())
 
@@ -222,7 +222,7 @@ class Simulation(Plan):
         return SurfaceCompliance(self.body)
 
     def _zigzag(self) -> float:
-        return largest_zigzag(self.sampler.sample(self.solver.problem), self.mu) / ZIGZAGS
+        return largest_zigzag(self.sampler.sample(self.solver.problem)) / ZIGZAGS
 
     @property
     def _k_at_edges(self) -> float:

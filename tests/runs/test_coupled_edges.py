@@ -24,23 +24,23 @@ from simulations.scene import DEFAULT_SCENE, make_scene, parse
 
 def test_of_two_zones_of_stick_the_longest_counts_not_the_one_with_more_nodes():
     x = np.concatenate([np.linspace(-1, 0.5, 100), np.linspace(0.5, 1, 400)[1:]])
-    p, limit = np.sqrt(1.0 - np.minimum(x**2, 1.0)), 0.3
+    p, mu = np.sqrt(1.0 - np.minimum(x**2, 1.0)), 0.3
     slides = (np.abs(x + 0.9) < 0.05) | (np.abs(x - 0.65) < 0.05)
-    q = np.where(slides, limit * p, 0.5 * limit * p)
-    surface = SurfaceState(x, np.gradient(x), p, q, np.zeros((2, len(x))), np.zeros(2), np.zeros((2, len(x))))
-    left, right = fitted_stick_edges(surface, limit, 1, lambda s: (0.5, 0.5))
+    q = np.where(slides, mu * p, 0.5 * mu * p)
+    surface = SurfaceState(x, np.gradient(x), p, q, np.zeros((2, len(x))), np.zeros(2), np.zeros((2, len(x))), mu=mu)
+    left, right = fitted_stick_edges(surface, 1, lambda s: (0.5, 0.5))
     assert left == pytest.approx(-0.85, abs=0.05) and right == pytest.approx(0.6, abs=0.05)
 
 
 def test_an_edge_of_stick_is_read_with_the_power_of_the_slip_beside_it_not_of_the_slip_beyond():
     """As P falls again points beside the stick slide outwards still, and those at the edges of contact inwards."""
-    x, limit, powers = np.linspace(-1, 1, 801), 0.3, {-1.0: 0.3, 1.0: 0.6}
+    x, mu, powers = np.linspace(-1, 1, 801), 0.3, {-1.0: 0.3, 1.0: 0.6}
     p = np.sqrt(1.0 - np.minimum(x**2, 1.0))
     margin = np.maximum(0.4 - np.abs(x), 0.0) ** np.where(x < 0, powers[1.0], powers[-1.0])
-    beside = limit * p * -np.sign(x) * (1.0 - margin)
+    beside = mu * p * -np.sign(x) * (1.0 - margin)
     q = np.where(np.abs(x) < 0.7, beside, -beside)
-    surface = SurfaceState(x, np.gradient(x), p, q, np.zeros((2, len(x))), np.zeros(2), np.zeros((2, len(x))))
-    edges = fitted_stick_edges(surface, limit, 0, lambda s: (powers[s], powers[s]))
+    surface = SurfaceState(x, np.gradient(x), p, q, np.zeros((2, len(x))), np.zeros(2), np.zeros((2, len(x))), mu=mu)
+    edges = fitted_stick_edges(surface, 0, lambda s: (powers[s], powers[s]))
     assert edges == pytest.approx((-0.4, 0.4), abs=1e-4)
 
 
@@ -93,7 +93,7 @@ def test_steep_tractions_do_not_zigzag():
     """
     scene = make_scene({"solid.k": -0.6, "solid.nu": 0.3, "solver.increments": 6, "mesh.facet": 0.08})
     simulation = Simulation(MPI.COMM_SELF, scene).run_to_end()
-    zigzag = max(largest_zigzag(entry.surface, simulation.mu) for entry in simulation.history.entries)
+    zigzag = max(largest_zigzag(entry.surface) for entry in simulation.history.entries)
     found = worst(simulation.history, StepFree(simulation))
     assert zigzag < 0.03 and found["pressure_l2"] < 4e-3 and found["traction_l2"] < 1e-2
 
@@ -148,7 +148,7 @@ def test_edges_are_read_with_the_powers_that_coupling_gives():
         for entry in simulation.history.entries[1:-1]:  # the last edge has that of the first turn beside it
             x_l, c_l, c_r, x_r = exponents(entry.step.direction * simulation.mu)
             contact = fitted_contact_edges(entry.surface, (x_l, x_r))
-            stick = fitted_stick_edges(entry.surface, simulation.mu, entry.step.direction, lambda s: (c_l, c_r))
+            stick = fitted_stick_edges(entry.surface, entry.step.direction, lambda s: (c_l, c_r))
             exact = (*reference.contact(entry), *reference.states[entry.number].stick)
             off.append(np.abs(np.subtract((*contact, *stick), exact)))
         middle.append(np.median(off))
@@ -191,7 +191,7 @@ def test_pressed_with_friction_contact_grows_by_equal_steps_that_end_at_the_best
     x, at = simulation.ordinates[0], vanishing_place(2, -0.65)
     after = np.searchsorted(x, exact)
     assert (exact - x[after - 1]) / (x[after] - x[after - 1]) == pytest.approx(np.full(10, at), abs=0.05)
-    assert max(largest_zigzag(entry.surface, simulation.mu) for entry in pressed[1:]) < 0.02
+    assert max(largest_zigzag(entry.surface) for entry in pressed[1:]) < 0.02
 
 
 @pytest.mark.parametrize("k, mu", [(0.0, 0.6), (-0.3, 0.3)])
