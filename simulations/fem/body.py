@@ -4,6 +4,8 @@ Everything is dimensionless (``simulations.scene.scaling``). Parameters are cons
 code: all scenes with the same effects share one compiled form.
 """
 
+from collections.abc import Callable
+
 import dolfinx
 import numpy as np
 import ufl
@@ -33,7 +35,8 @@ class ElasticBody:
     strain along x, ``strain`` (None else), which is an equilibrium by itself; ``state`` is the deviation from it.
 
     ``state`` holds all unknowns; ``u`` and ``pi`` (None unless mixed) are its parts in forms, and ``dofs[n, i]`` is the
-    index in ``state`` of displacement i of node n. ``solid`` is what forms know of the material.
+    index in ``state`` of displacement i of node n. ``solid`` is what forms know of the material. ``recover`` is what
+    brings ``state`` beyond the strip up to date, None where it is.
     """
 
     def __init__(
@@ -81,7 +84,7 @@ class ElasticBody:
         self.surface_nodes = SurfaceNodes(self.displacements, strip_facets)
         self.stiffness_form = fem.form(self._stiffness_form(works))
         self.stiffness, self.constrained_stiffness = assemble_stiffness(self.stiffness_form, self.fixed_dofs)
-        self._recover = None  # what brings ``state`` beyond the strip up to date, None where it is
+        self.recover: Callable[[], None] | None = None
 
     @property
     def fixed_dofs(self) -> np.ndarray:
@@ -105,13 +108,9 @@ class ElasticBody:
 
     def complete(self):
         """Bring the whole of ``state`` up to date; between increments only the strip is."""
-        if self._recover is not None:
-            recover, self._recover = self._recover, None
+        if self.recover is not None:
+            recover, self.recover = self.recover, None
             recover()
-
-    def complete_later(self, recover):
-        """The strip is up to date, and ``recover()`` brings the rest when ``complete`` asks for it."""
-        self._recover = recover
 
     def reset(self):
         """No displacement, no load."""
@@ -119,7 +118,7 @@ class ElasticBody:
         self.far_value.x.array[:] = 0.0
         self.delta.value[:] = 0.0
         self.stretch(0.0)
-        self._recover = None
+        self.recover = None
 
     def constant(self, value: float) -> fem.Constant:
         """A parameter of the forms."""

@@ -70,10 +70,6 @@ class ContactTerms:
         borders = weak_form.rigid_borders(self.forces, self._loads, body.state, test, along)
         return [fem.form(forms) for forms in borders]
 
-    def create_matrix(self) -> PETSc.Mat:
-        """A matrix for ``assemble_jacobian``."""
-        return self.body.constrained_stiffness.copy()
-
     def residual(self, load) -> tuple[PETSc.Vec, np.ndarray]:
         """Force residual (owned dofs) and load imbalance, one per direction, at the line ``load``."""
         body = self.body
@@ -88,7 +84,7 @@ class ContactTerms:
         return internal, total - np.array([load.components[i] for i in self.directions])
 
     def assemble_jacobian(self, matrix: PETSc.Mat):
-        """Overwrite ``matrix`` with d(force residual)/du."""
+        """Overwrite ``matrix``, of the pattern of the stiffness, with d(force residual)/du."""
         self.body.constrained_stiffness.copy(matrix, PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
         fem_petsc.assemble_matrix(matrix, self._tangent_form, bcs=self.body.boundary_conditions)
         matrix.assemble()

@@ -93,17 +93,15 @@ class EdgeJumps:
         zones = np.where(against, CLOSED, law)
         edges, used = self._edges(zones), self._used
         if jump and edges is not None and (used is not None or self._expected is not None):
-            new = self._expected if used is None else self._moved_edges(used, edges)
+            new = self._expected
+            if used is not None:
+                new = np.array([self._moved(u, e, side) for u, e, side in zip(used, edges, np.repeat(SIDES, 2))])
             edges = self._jump(new, edges, zones, imposed)
             imposed[against & (self._x > edges[1]) & (self._x < edges[2])] = PINNED
         for value, state in ((DRIVEN_FORWARD, FORWARD), (DRIVEN_BACKWARD, BACKWARD), (LIFTED, OPEN), (PINNED, CLOSED)):
             law = np.where(imposed == value, state, law)
         self._states, self._used = law, edges
         return self._points.mine(imposed) if np.any(imposed) else None
-
-    def _moved_edges(self, used, edges):
-        """Where the edges (4,) are, from those of the last step and of the law."""
-        return np.array([self._moved(u, e, side) for u, e, side in zip(used, edges, np.repeat(SIDES, 2))])
 
     def _jump(self, new, edges, law, imposed):
         """Impose states (n,) on the points between ``edges`` of Coulomb's law and ``new`` ones, which are returned."""

@@ -12,19 +12,20 @@ from petsc4py import PETSc
 
 from ..fem.contact_problem import ContactProblem, X
 from .bulk_solver import bulk_solver
+from .system import System
 
 SINGULAR = 1e12  # condition of the equations of the cylinder, which is free to move beyond it
 
 
-class FullSystem:
-    """Unknowns (u, delta); the rigid displacements are the last entries of the last rank."""
+class FullSystem(System):
+    """Unknowns (u, delta), the whole state; the rigid displacements are the last entries of the last rank."""
 
     def __init__(self, problem: ContactProblem):
         self.problem = problem
         self._rigid = list(problem.directions)
         self._comm = problem.body.mesh.comm
         self._load = None
-        self.jacobian = problem.terms.create_matrix()
+        self.jacobian = problem.body.constrained_stiffness.copy()
         self._ksp = bulk_solver(self.jacobian, "lu")
 
     def create_vector(self) -> PETSc.Vec:
@@ -38,9 +39,6 @@ class FullSystem:
         body = self.problem.body
         body.apply_far_field(load.components)
         self._join(body.state.x.petsc_vec, body.delta.value[self._rigid], x)
-
-    def start_elsewhere(self):
-        """The unknowns are the whole state."""
 
     def residual(self, x, f) -> tuple[float, float]:
         """Fill ``f``; return the norm of the force residual and the largest load imbalance."""
@@ -94,13 +92,6 @@ class FullSystem:
         body.state.x.array[: bulk.local_size] = bulk.array_r
         body.state.x.scatter_forward()
         body.delta.value[self._rigid] = rigid
-
-    def last_forces(self) -> np.ndarray:
-        """Nothing: the fields hold all."""
-        return np.zeros(0)
-
-    def take_up(self, forces: np.ndarray):
-        """The fields hold all."""
 
     def _bulk_solve(self, b):
         x = b.duplicate()

@@ -45,7 +45,7 @@ class NewtonResult:
 
 
 class _Operator:
-    """Python context through which PETSc multiplies by the system's Jacobian (mult) or its inverse (apply).
+    """Context through which PETSc multiplies by the system's Jacobian (mult) and by its inverse (apply).
 
     right: the right-hand side to take instead of PETSc's, where contact states are imposed on a step; else None.
     """
@@ -82,15 +82,15 @@ class Newton:
         comm = system.problem.body.mesh.comm
         self.x, self._f = system.create_vector(), system.create_vector()
         shape = (self.x.getLocalSize(), None)
-        jacobian = PETSc.Mat().createPython((shape, shape), _Operator(system), comm)
+        self._operator = _Operator(system)
+        jacobian = PETSc.Mat().createPython((shape, shape), self._operator, comm)
         jacobian.setUp()
         self.snes = PETSc.SNES().create(comm)
         self.snes.setFunction(_weakly(self._residual), self._f)
         self.snes.setJacobian(_weakly(self._linearise), jacobian)
         self.snes.setConvergenceTest(_weakly(self._test))
         self.snes.ksp.pc.setType(PETSc.PC.Type.PYTHON)
-        self._inverse = _Operator(system)
-        self.snes.ksp.pc.setPythonContext(self._inverse)
+        self.snes.ksp.pc.setPythonContext(self._operator)
         self._most_followed = read_options(self.snes)
         self._polished = False
         self._last_force = self._least = np.inf
@@ -213,8 +213,7 @@ class Newton:
         self._norms = (force / self._scale, imbalance / self._scale)
 
     def _linearise(self, snes, x, jacobian, preconditioner):
-        self._inverse.right = None
-        imposed = None
+        self._operator.right = imposed = None
         if self._may_jump and self._states is not None:
             imposed = self._jumps.after(self._states)
         if imposed is None:
@@ -223,7 +222,7 @@ class Newton:
             with self.system.problem.safeguards.imposed(imposed):
                 self.system.residual(x, self._imposed)
                 self.system.linearise(x)
-            self._inverse.right = self._imposed
+            self._operator.right = self._imposed
         jacobian.assemble()
 
     def _count_changes(self):

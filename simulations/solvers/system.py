@@ -9,7 +9,9 @@ from ..fem.contact_problem import ContactProblem
 
 
 class System(Protocol):
-    """A linearisable system whose unknowns are a PETSc vector."""
+    """A linearisable system whose unknowns are a PETSc vector; ``problem`` is the contact problem behind it."""
+
+    problem: ContactProblem
 
     def create_vector(self) -> PETSc.Vec:
         """A vector of the unknowns."""
@@ -19,6 +21,7 @@ class System(Protocol):
 
     def start_elsewhere(self):
         """After ``begin``: the unknowns to start from are not those of the present state."""
+        return
 
     def residual(self, x: PETSc.Vec, f: PETSc.Vec) -> tuple[float, float]:
         """Fill ``f``; return the norm of the force residual and the largest load imbalance."""
@@ -40,10 +43,8 @@ class System(Protocol):
 
     def last_forces(self) -> np.ndarray:
         """Contact forces that ``finish`` left, beyond what the fields hold; empty where they hold all."""
+        return np.zeros(0)
 
     def take_up(self, forces: np.ndarray):
         """Go on from fields that an earlier run's ``finish`` left with these forces."""
-
-    @property
-    def problem(self) -> ContactProblem:
-        """The contact problem behind the system."""
+        return

@@ -14,7 +14,7 @@ from petsc4py import PETSc
 from scipy.linalg import solve
 from scipy.sparse import csr_matrix, vstack
 
-from ...fem.body import ElasticBody
+from ...fem.body import ElasticBody, X
 from ...fem.parallel import gathered
 from ..bulk_solver import FactorisationError
 from .matrix import Block, ComplianceMatrix, StripInside
@@ -100,15 +100,12 @@ class SurfaceCompliance:
         body = self.body
         nodes = body.surface_nodes
         self.n = len(nodes.x)
-        by_id = np.argsort(ids := nodes.collect(self._node_ids(nodes.owned)))
-        self.node_position = by_id[np.searchsorted(ids, self._node_ids(nodes.touched), sorter=by_id)]  # of ``touched``
         dofs = body.dofs[nodes.owned]
         self._surface_dofs = nodes.collect(self._global(dofs.ravel()).reshape(-1, 2))
-        fixed = np.isin(dofs, body.fixed_dofs)
-        self._is_free = ~nodes.collect(fixed)
-
-    def _node_ids(self, nodes):
-        return self.body.displacements.dofmap.index_map.local_to_global(nodes.astype(np.int32))
+        self._is_free = ~nodes.collect(np.isin(dofs, body.fixed_dofs))
+        along, touched = self._surface_dofs[:, X], self._global(body.dofs[nodes.touched, X])
+        by_dof = np.argsort(along)
+        self.node_position = by_dof[np.searchsorted(along, touched, sorter=by_dof)]  # of ``touched``
 
     def _find_strip(self):
         """Number the strip's dofs; those inside it and those on its interface with the rest of the body."""

@@ -28,7 +28,8 @@ class CondensedSystem:
         self.size = len(self._rigid) * (compliance.n + 1)
         self._sides = problem.body.symmetry_factor
         self._matrix = compliance.matrix(problem.directions)
-        translations = self._translations()
+        fields = [problem.body.translations[i].x.array for i in self._rigid]
+        translations = np.stack([compliance.strip_values(field) for field in fields], axis=1)
         self.dense = DenseTangent(self._matrix, translations, self._sides) if self._is_root else None
         self._pattern = _TangentPattern(problem, compliance)
         # Part of the strip displacement that the current forces do not cause, after a change of the load. The first
@@ -61,9 +62,8 @@ class CondensedSystem:
         else:
             forces = self._contact_forces()
         if self._is_root:
-            displacement = self._displacement(forces)
-            self._shown = forces, displacement
-            self._offset = strip - displacement
+            self._shown = forces, self._displacement(forces)
+            self._offset = strip - self._shown[1]
         self._has_offset = self._comm.bcast(bool(np.any(self._offset)))
         self._put(np.concatenate([forces, body.delta.value[self._rigid]]), x)
 
@@ -121,12 +121,7 @@ class CondensedSystem:
         # gamma times the last digits of u is visible in the tractions: keep the u whose tractions balance the loads
         self._show(forces, rigid)
         self._left = self.compliance.strip_values(), forces
-        self.problem.body.complete_later(self.compliance.recover)
-
-    def _translations(self):
-        """Rigid translations (r, m) of the strip."""
-        fields = [self.problem.body.translations[i].x.array for i in self._rigid]
-        return np.stack([self.compliance.strip_values(field) for field in fields], axis=1)
+        self.problem.body.recover = self.compliance.recover
 
     def last_forces(self) -> np.ndarray:
         """Contact forces that ``finish`` left, direction by direction, sorted by x."""
@@ -139,15 +134,13 @@ class CondensedSystem:
 
     def _show(self, forces, rigid, with_offset=True):
         """Displacements of the strip under ``forces``, and the rigid motion, into the problem's fields."""
-        body = self.problem.body
-        body.delta.value[self._rigid] = rigid
-        self.compliance.put(self._strip(forces, with_offset) if self._is_root else None)
-
-    def _strip(self, forces, with_offset):
-        """Displacements (r,) of the strip under ``forces``, with the offset or without."""
-        if not np.array_equal(forces, self._shown[0]):
-            self._shown = forces, self._displacement(forces)
-        return self._shown[1] + self._offset if with_offset else self._shown[1]
+        self.problem.body.delta.value[self._rigid] = rigid
+        strip = None
+        if self._is_root:
+            if not np.array_equal(forces, self._shown[0]):
+                self._shown = forces, self._displacement(forces)
+            strip = self._shown[1] + self._offset if with_offset else self._shown[1]
+        self.compliance.put(strip)
 
     def _displacement(self, forces):
         return self._constant + self._matrix.apply(forces)
