@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from ..runs import report_data
-from ..runs.checks import Check
+from ..runs.checks import Check, describe, hold
 from ..runs.estimate import judged, measured
 from ..runs.history import Entry
 from ..runs.reference import Tell
@@ -147,7 +147,8 @@ class Results:
 
     def _write_summary(self, **more):
         assert self.findings is not None  # after the end
-        self.failing = report_data.failing(self.findings)
+        found = self.findings.checks
+        self.failing = "" if hold(found) else describe(found)
         self.summary = report_data.summary(self.simulation, self.findings) | {"versions": versions()} | more
         output.write_summary(self.folder / "summary.json", self.summary)
 

@@ -191,23 +191,15 @@ def has_friction(entry: Entry, reference: Reference) -> bool:
 
 def own_errors(history: History, reference: Reference) -> dict[str, float]:
     """What of the errors of ``compare`` and ``worst`` is the reference's own, the largest; {} of an exact one."""
-    return _largest_own(history, reference, _own_of_states(history, reference))
+    return worst_and_own(history, reference)[1]
 
 
 def worst_and_own(history: History, reference: Reference) -> tuple[dict[str, float], dict[str, float]]:
     """``worst`` and ``own_errors`` in one pass over the states."""
-    own = _own_of_states(history, reference)
-    states = [compare_state(entry, reference, mine) for entry, mine in zip(all_states(history), own, strict=True)]
-    return _largest(states), _largest_own(history, reference, own)
-
-
-def _own_of_states(history, reference) -> list[dict[str, float]]:
-    coarser = reference.coarser
-    return [apart(entry, coarser, reference) if coarser else {} for entry in all_states(history)]
-
-
-def _largest_own(history, reference, states) -> dict[str, float]:
-    return _largest(states) | _own_of_numbers(history.entries[-1], reference)
+    entries, coarser = all_states(history), reference.coarser
+    own = [apart(entry, coarser, reference) if coarser else {} for entry in entries]
+    states = [compare_state(entry, reference, mine) for entry, mine in zip(entries, own)]
+    return _largest(states), _largest(own) | _own_of_numbers(history.entries[-1], reference)
 
 
 def _largest(states: list[dict[str, float]]) -> dict[str, float]:

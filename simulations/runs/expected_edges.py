@@ -222,13 +222,8 @@ def several(edges) -> tuple[float, ...]:
     """Their distances from the middle, each once: the widest, to which contact reaches, and the first of the others."""
     edges = np.abs(edges)
     edges = edges[np.isfinite(edges)]
-    return distinct([edges.max(), *edges], ONE_EDGE)[:MOST]
-
-
-def distinct(values, apart: float) -> tuple[float, ...]:
-    """Those of ``values`` that are further than ``apart`` from the ones before them."""
     kept: list[float] = []
-    for value in values:
-        if all(abs(value - other) > apart for other in kept):
-            kept.append(float(value))
-    return tuple(kept)
+    for edge in [edges.max(), *edges]:
+        if all(abs(edge - other) > ONE_EDGE for other in kept):
+            kept.append(float(edge))
+    return tuple(kept[:MOST])

@@ -138,6 +138,4 @@ class Plan:
         strained, phase = "bulk strain" in self.effects, scene.bulk_phase
         harmonic = strained and phase not in (0.0, "constant")  # else Q and strain go straight
         schedule = normal + rocking(1.0, scene.load.amplitude * self.mu, cycles, quarter, harmonic)
-        if not strained:
-            return schedule
-        return stretched(schedule, self._strain, phase)
+        return stretched(schedule, self._strain, phase) if strained else schedule

@@ -147,11 +147,6 @@ def quantities(simulation: Simulation) -> dict[str, float]:
     return found
 
 
-def failing(findings: Findings) -> str:
-    """Which checks do not hold, in words; "" where all do."""
-    return "" if checks.hold(findings.checks) else checks.describe(findings.checks)
-
-
 def _deviations(kind: str, beside: Comparison | None, values: str) -> dict:
     """``values``: the key of the other's own numbers, which deviations with its own error in them do not give back."""
     if beside is None:

@@ -103,7 +103,9 @@ class Simulation(Plan):
         self.body.delta.value[Y] = indenter.height(self._first_half_width())  # overlap there: where Newton starts
         self.sampler = SurfaceSampler(normal, self.mu, scene.friction and "coupling" not in self.effects)
         self.resumed = 0  # times
-        self.history = History(self._k_at_edges, self.mu, indenter.order if pressing else None, self._exponents())
+        # beside the edges of contact: the substrate's where a coating is thinner than the facets there
+        k = scene.k if self.scaled.modulus.thickness > self.cells.edge_facet else 0.0
+        self.history = History(k, self.mu, indenter.order if pressing else None, self._exponents())
 
     @property
     def warnings(self) -> list[str]:
@@ -127,10 +129,17 @@ class Simulation(Plan):
         return min(normal_contact(self.scaled.solid, self.scaled.indenter.analytic(), load).a, 1.0)
 
     def _mesh(self, comm):
-        """The mesh of the cells with its facet tags; SceneError where it would not do or would be too large."""
+        """The mesh of the cells with its facet tags; ``ordinates`` are its columns and layers.
+
+        SceneError where it would not do or would be too large.
+        """
         check_resolution(self.scene, self.cells, self.loop)
         check_depth(self.scene, self.cells)
-        self.ordinates = self._ordinates()
+        law, x = self.scaled.modulus, columns(self.cells)
+        if "symmetry" in self.effects:
+            middle = len(x) // 2
+            x = x[middle:] - x[middle]
+        self.ordinates = x, layers(self.cells, law.depth_map(), law.thickness)
         self._check_size()
         return create_mesh(comm, *self.ordinates)
 
@@ -148,14 +157,6 @@ class Simulation(Plan):
         directions = (X, Y) if "coupling" in self.effects else (X,)
         elastic = self.scaled.elastic_compliance(scene)
         return normal, ContactProblem(self.body, height, nitsche, directions, self.mu, elastic)
-
-    def _ordinates(self):
-        """Columns and layers of the mesh."""
-        law, x = self.scaled.modulus, columns(self.cells)
-        if "symmetry" in self.effects:
-            middle = len(x) // 2
-            x = x[middle:] - x[middle]
-        return x, layers(self.cells, law.depth_map(), law.thickness)
 
     def _body(self, mesh, facets):
         scene = self.scene
@@ -223,11 +224,6 @@ class Simulation(Plan):
 
     def _zigzag(self) -> float:
         return largest_zigzag(self.sampler.sample(self.solver.problem)) / ZIGZAGS
-
-    @property
-    def _k_at_edges(self) -> float:
-        """k beside the edges of contact: the substrate's where a coating is thinner than the facets there."""
-        return self.scene.k if self.scaled.modulus.thickness > self.cells.edge_facet else 0.0
 
     def _exponents(self):
         """Of tractions at edges where coupling changes them, see ``History``."""
