@@ -171,7 +171,7 @@ def _build(stack, x, s):
     (_, bottom), (_, body), *sides = swept
     groups = {SURFACE: [surface], FAR: [bottom], SYMMETRY: []}
     for _, side in sides:
-        on_axis = x[0] == 0.0 and _abscissa(side) == 0.0
+        on_axis = x[0] == 0.0 and gmsh.model.getBoundingBox(1, abs(side))[0] == 0.0
         groups[SYMMETRY if on_axis else FAR].append(side)
     for group, tags in groups.items():
         if tags:
@@ -214,11 +214,6 @@ def _by_columns(comm, x):
         return adjacencylist((column * parts // (len(x) - 1)).astype(np.int32))
 
     return destinations
-
-
-def _abscissa(side):
-    """x of a vertical gmsh curve."""
-    return gmsh.model.getBoundingBox(1, abs(side))[0]
 
 
 def _cells(nodes):

@@ -1,4 +1,4 @@
-"""Surface quantities of a state: pressure, traction, slip, edges of contact and stick, dissipated energy."""
+"""Surface quantities of a state: pressure, traction, displacement, where points slide, edges of contact and stick."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

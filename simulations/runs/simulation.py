@@ -23,24 +23,10 @@ from ..solvers.condensed.surface_compliance import SurfaceCompliance
 from ..solvers.condensed.system import CondensedSystem
 from ..solvers.full import FullSystem
 from ..solvers.newton import FORCE_TOLERANCE
-from . import freeing
+from . import freeing, limits
 from .checks import ZIGZAGS, largest_zigzag
 from .critical_friction import why_no_answer
 from .history import Entry, History
-from .limits import (
-    check_depth,
-    check_loads,
-    check_output,
-    check_parameters,
-    check_resolution,
-    check_round_off,
-    check_size,
-    hidden_peak,
-    hidden_tip,
-    too_stiff,
-    too_wide,
-    warnings_of,
-)
 from .plan import Plan
 from .timing import Stopwatch
 
@@ -74,9 +60,9 @@ class Simulation(Plan):
         super().__init__(scene, watch or Stopwatch())
         self.mesh_of = None if cells else self.graded_for  # what the mesh was graded for, where that is known
         shared = like if like and self.mesh_of and self.mesh_of == like.mesh_of else None
-        check_parameters(scene)
-        check_loads(scene, self.schedule)
-        check_output(scene, self.schedule, self.extent)
+        limits.check_parameters(scene)
+        limits.check_loads(scene, self.schedule)
+        limits.check_output(scene, self.schedule, self.extent)
         if shared is None:
             freeing.earlier(comm)
             with self.watch("mesh"):
@@ -110,7 +96,7 @@ class Simulation(Plan):
     @property
     def warnings(self) -> list[str]:
         """What theory or mesh show badly, one line each."""
-        found = warnings_of(self.scene, self.cells, self.loop, self.scaled)
+        found = limits.warnings_of(self.scene, self.cells, self.loop, self.scaled)
         return [*found, self.hidden_peak] if self.hidden_peak else found
 
     @cached_property
@@ -119,7 +105,8 @@ class Simulation(Plan):
         x, _ = self.ordinates
         middle = np.searchsorted(x, 0.0)
         spacing = float(x[middle + 1] - x[middle]) / self.scene.mesh.degree
-        return hidden_peak(self.pressing_with_friction, spacing, self.scaled) or hidden_tip(spacing, self.scaled)
+        peak = limits.hidden_peak(self.pressing_with_friction, spacing, self.scaled)
+        return peak or limits.hidden_tip(spacing, self.scaled)
 
     def _first_half_width(self) -> float:
         """Of the frictionless contact under the first load; of a coating not more than a, nearly."""
@@ -133,8 +120,8 @@ class Simulation(Plan):
 
         SceneError where it would not do or would be too large.
         """
-        check_resolution(self.scene, self.cells, self.loop)
-        check_depth(self.scene, self.cells)
+        limits.check_resolution(self.scene, self.cells, self.loop)
+        limits.check_depth(self.scene, self.cells)
         law, x = self.scaled.modulus, columns(self.cells)
         if "symmetry" in self.effects:
             middle = len(x) // 2
@@ -144,14 +131,14 @@ class Simulation(Plan):
         return create_mesh(comm, *self.ordinates)
 
     def _check_size(self):
-        check_size(self.scene, self.cells, *(len(nodes) - 1 for nodes in self.ordinates))
+        limits.check_size(self.scene, self.cells, *(len(nodes) - 1 for nodes in self.ordinates))
 
     def _problems(self) -> tuple[ContactProblem, ContactProblem | None]:
         """The contact problems of the normal stage and of the stage with friction, if there is one."""
         scene, height = self.scene, self.scaled.indenter.height
         nitsche = Nitsche(scene.solver.gamma0, scene.solver.theta)
         normal = ContactProblem(self.body, height, nitsche, (Y,))
-        check_round_off(scene, self.cells, normal)
+        limits.check_round_off(scene, self.cells, normal)
         if not scene.friction:
             return normal, None
         directions = (X, Y) if "coupling" in self.effects else (X,)
@@ -189,14 +176,14 @@ class Simulation(Plan):
                 with self.watch("solve"):
                     outcome = next(outcomes, None)
             except SolveError as error:
-                cause = why_no_answer(self) if self.solver.problem.friction else too_stiff(self.scene)
+                cause = why_no_answer(self) if self.solver.problem.friction else limits.too_stiff(self.scene)
                 raise SolveError("; ".join(filter(None, (failure_in_si(self, error), cause)))) from None
             freeing.between_steps(self.body)
             if outcome is None:
                 return
             state = self.sampler.sample(self.solver.problem)
             if state.pressure[0] > 0 or state.pressure[-1] > 0:
-                raise SolveError(failure_in_si(self, too_wide(self.scene, self.cells.strip)))
+                raise SolveError(failure_in_si(self, limits.too_wide(self.scene, self.cells.strip)))
             yield self.history.append(outcome, state, self.watch.last)
 
     def run_to_end(self) -> "Simulation":

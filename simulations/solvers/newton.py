@@ -121,8 +121,12 @@ class Newton:
             self._jumps.begin(load if extrapolate else None, self._states if self.has_solved(load) else None)
         self.x.copy(self._best)
         if predict:
+            step = self.x.duplicate()
             with self.system.problem.safeguards.all_stick():
-                self._step()
+                self.system.residual(self.x, self._f)
+                self.system.linearise(self.x)
+                self.system.solve(self._f, step)
+            self.x.axpy(-1.0, step)
         self._states, self._changes, self._least = None, [], np.inf
         try:
             self.snes.solve(None, self.x)
@@ -200,13 +204,6 @@ class Newton:
     def _balanced(self):
         force, imbalance = self._norms
         return force <= self._tolerance and imbalance <= max(self._wanted, self._tolerance)
-
-    def _step(self):
-        step = self.x.duplicate()
-        self._residual(self.snes, self.x, self._f)
-        self.system.linearise(self.x)
-        self.system.solve(self._f, step)
-        self.x.axpy(-1.0, step)
 
     def _residual(self, snes, x, f):
         force, imbalance = self.system.residual(x, f)

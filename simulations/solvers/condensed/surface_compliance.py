@@ -83,18 +83,15 @@ class SurfaceCompliance:
         strip, right = self.strip_values(), self._lifting()
         u = np.zeros(len(right))
         for part, half in self._mine:
-            part.extend(half.complete(part.restrict(right), self._of_part(part, strip)), u)
+            among = part.among(self.strip)
+            own = among.restrict(strip) * np.where(among.on_axis, 2.0, 1.0)  # ``restrict`` halves forces on the axis
+            part.extend(half.complete(part.restrict(right), own), u)
         if self.comm.size > 1:
             self.comm.Allreduce(MPI.IN_PLACE, u)
         u[self.strip] = strip
         first, last = body.stiffness.getOwnershipRange()
         body.state.x.array[: last - first] = u[first:last]
         body.state.x.scatter_forward()
-
-    def _of_part(self, part, strip):
-        """The strip's values (r,) as displacements of a part: by ``restrict``, which halves forces on the axis."""
-        among = part.among(self.strip)
-        return among.restrict(strip) * np.where(among.on_axis, 2.0, 1.0)
 
     def _find_surface(self):
         body = self.body
