@@ -41,17 +41,11 @@ class Part:
 
     def restrict(self, forces: np.ndarray) -> np.ndarray:
         """Forces (h, ...) on this part from those (N, ...) on the body; half of one on the axis."""
-        part = forces[self.dofs].astype(float)
-        part[self.mirrored] += (self.signs * forces[self.images].T).T
+        part = self.matrix(len(forces)).T @ forces
         return part / 2.0 if self.is_half else part
 
-    def extend(self, displacements: np.ndarray, values: np.ndarray):
-        """Add the displacements (h, ...) of this part to ``values`` (N, ...) of the body."""
-        values[self.dofs] += displacements
-        values[self.images] += (self.signs * displacements[self.mirrored].T).T
-
     def matrix(self, size: int) -> csr_matrix:
-        """``extend`` as a sparse matrix (size, h)."""
+        """Displacements of the body from those of this part, (size, h)."""
         h = np.arange(len(self.dofs))
         rows, columns = np.concatenate([self.dofs, self.images]), np.concatenate([h, self.mirrored])
         values = np.concatenate([np.ones(len(h)), self.signs])
@@ -119,11 +113,9 @@ def _is_mirror_image(body, half, size):
     """Whether forces of a symmetric field are symmetric: what is put into the body may not be."""
     displacement, force = body.stiffness.createVecs()
     first, last = body.stiffness.getOwnershipRange()
-    values = np.zeros(size)
-    half.extend(np.cos(np.arange(len(half.dofs))), values)
-    displacement.array[:] = values[first:last]
+    extend = half.matrix(size)
+    displacement.array[:] = (extend @ np.cos(np.arange(len(half.dofs))))[first:last]
     body.stiffness.mult(displacement, force)
     force = gathered(body.mesh.comm, force.array_r)
-    symmetric = np.zeros(size)
-    half.extend(half.restrict(force) * np.where(half.on_axis, 2.0, 1.0), symmetric)
+    symmetric = extend @ (half.restrict(force) * np.where(half.on_axis, 2.0, 1.0))
     return np.abs(force - symmetric).max() < 1e-9 * np.abs(force).max()

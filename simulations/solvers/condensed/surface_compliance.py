@@ -85,7 +85,7 @@ class SurfaceCompliance:
         for part, half in self._mine:
             among = part.among(self.strip)
             own = among.restrict(strip) * np.where(among.on_axis, 2.0, 1.0)  # ``restrict`` halves forces on the axis
-            part.extend(half.complete(part.restrict(right), own), u)
+            u += part.matrix(len(u)) @ half.complete(part.restrict(right), own)
         if self.comm.size > 1:
             self.comm.Allreduce(MPI.IN_PLACE, u)
         u[self.strip] = strip
