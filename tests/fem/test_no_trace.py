@@ -21,16 +21,13 @@ def constants(form):
 
 
 def test_friction():
-    with_friction = coarse_simulation().solver.frictional
+    solver = coarse_simulation().solver
+    with_friction = solver.frictional
     without = coarse_simulation(INDENTATION).solver.normal
     assert FRICTION <= fields(with_friction.terms)
-    assert not FRICTION & fields(without.terms)
+    assert not FRICTION & fields(without.terms) and not FRICTION & fields(solver.normal.terms)
     assert constants(without.terms.forces_form) < constants(with_friction.terms.forces_form)
     assert len(without.terms.resultant_forms) == 1 and len(with_friction.terms.resultant_forms) == 2
-
-
-def test_the_normal_stage_of_a_frictional_scene_is_frictionless_too():
-    assert not FRICTION & fields(coarse_simulation().solver.normal.terms)
 
 
 def test_coupling():
