@@ -62,6 +62,15 @@ def test_panel_and_animation(folder, tmp_path):
     assert (tmp_path / "body.gif").read_bytes().startswith(b"GIF")
 
 
+def test_the_pictures_of_a_run_go_with_it(tmp_path):
+    quick = ["--set", "load.cycles=0", "--set", "solver.increments=1", "--quiet", "--reference", "none"]
+    fretting.main([*coarse_arguments(tmp_path), *quick])
+    fields_panel.main([str(tmp_path), "--animate"])
+    assert len(list(tmp_path.glob("body.*"))) == 3
+    fretting.main([*coarse_arguments(tmp_path), *quick, "--overwrite"])
+    assert not list(tmp_path.glob("body.*"))
+
+
 def test_a_run_without_its_files_is_refused(folder, tmp_path):
     copy = shutil.copytree(folder, tmp_path / "copy")
     fields = next((copy / "fields").glob("0*.h5"))
