@@ -19,18 +19,18 @@ RUNS, ANY_RUN = "run-{:04d}", "run-[0-9]*"  # folder of a scene by its number, a
 
 
 @contextmanager
-def taken(comm, folder: Path, items: list[Item], overwrite: bool) -> Iterator[Store]:
+def taken(comm, folder: Path, items: list[Item], overwrite: bool, option: str = "--output") -> Iterator[Store]:
     """The store of a sweep in ``folder``, which is made, and locked meanwhile. Collective.
 
     SceneError where another process writes there, or where something there would be lost. items: all its runs;
-    overwrite: take away the table, the runs and the store of another sweep.
+    overwrite: take away the table, the runs and the store of another sweep; option: what a refusal calls the folder.
     """
     lock = None
 
     def take():
         nonlocal lock
-        lock = locked(folder)
-        _make_ready(folder, items, overwrite)
+        lock = locked(folder, option)
+        _make_ready(folder, items, overwrite, f"{option} {shown(folder)} is not allowed: ")
 
     try:
         on_root(comm, take, SceneError)
@@ -40,9 +40,8 @@ def taken(comm, folder: Path, items: list[Item], overwrite: bool) -> Iterator[St
             lock.release()
 
 
-def _make_ready(folder, items, overwrite):
+def _make_ready(folder, items, overwrite, start):
     store, table = Store(folder / KEPT), folder / TABLE
-    start = f"--output {shown(folder)} is not allowed: "
     run = next((name for name in FILES if (folder / name).exists()), None)
     if run:
         raise SceneError(f"{start}it holds {run}, of a single run; choose another folder")
@@ -51,7 +50,8 @@ def _make_ready(folder, items, overwrite):
         raise SceneError(f"{start}it holds {stranger}, which no sweep wrote; choose another folder")
     kept = store.read()
     if kept.keys() - {item.key for item in items} and not overwrite:
-        raise SceneError(f"{start}it holds another sweep; --overwrite replaces it, --output DIR keeps both")
+        replaces = "--overwrite" if start.startswith("--") else "overwrite=True"
+        raise SceneError(f"{start}it holds another sweep; {replaces} replaces it, another folder keeps both")
     try:
         # a run that was kept and has lost its scene would be refused as another's, and could never be solved again
         own = [Path(item.values["folder"]) for item in items if item.key in kept and "folder" in item.values]

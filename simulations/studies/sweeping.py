@@ -82,10 +82,11 @@ def sweep(
     if folders and output is None:
         raise SceneError(f"folders = {shown(folders)} is not allowed without output: the name of a folder")
     if isinstance(executor, ThreadPoolExecutor) or not isinstance(executor, Executor | None):
-        words = "PETSc does not run in several threads at once; a ProcessPoolExecutor that spawns does"
+        threads = "PETSc does not run in several threads at once; " if isinstance(executor, Executor) else ""
+        words = f"{threads}a ProcessPoolExecutor that spawns is"
         raise SceneError(f"executor = {type(executor).__name__} is not allowed: {words}")
     items = items_of(text, sets, cases, output if folders else None)
-    place = nullcontext() if output is None else taken(MPI.COMM_SELF, Path(output), items, overwrite)
+    place = nullcontext() if output is None else taken(MPI.COMM_SELF, Path(output), items, overwrite, "output =")
     with place as store:
         return run_sweep(cases, items, store, executor, tell)
 

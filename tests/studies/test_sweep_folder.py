@@ -37,9 +37,18 @@ def swept(tmp_path_factory):
 def test_another_sweep_is_refused(swept, values, more):
     """With other scenes, without the folders, or with other numbers of the folders."""
     before = contents(swept)
-    with pytest.raises(SceneError, match="it holds another sweep; --overwrite replaces it, --output DIR keeps both"):
+    with pytest.raises(SceneError, match="it holds another sweep; --overwrite replaces it, another folder keeps both"):
         run(swept, values, *more)
     assert contents(swept) == before
+
+
+def test_python_names_its_own_argument(swept, tmp_path):
+    """Not the option of the command."""
+    (tmp_path / "file").touch()
+    another = "is not allowed: it holds another sweep; overwrite=True replaces it"
+    for folder, why in ((swept, another), (tmp_path / "file", "cannot be written")):
+        with pytest.raises(SceneError, match=f"^output = {folder} {why}"):
+            sweeping.sweep(vary={"load.mu": [0.5]}, sets=COARSE_SETS, output=folder)
 
 
 @pytest.mark.parametrize("lost", ["scene.toml", "history.csv", "summary.json", "what is in scene.toml"])
