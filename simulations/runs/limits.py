@@ -128,7 +128,7 @@ def check_resolution(scene: Scene, cells: Grading, loop: FrettingLoop | None):
 
     The zones are those of the closed form; coupling moves them but does not make them wider.
     """
-    facet = min(cells.edge_facet, cells.facet)
+    facet, key = min((cells.edge_facet, "edge_facet"), (cells.facet, "facet"))
     if loop is not None:
         slip = loop.a - loop.c
         if slip < NARROWEST * facet:
@@ -138,7 +138,7 @@ def check_resolution(scene: Scene, cells: Grading, loop: FrettingLoop | None):
             )
     if scene.k >= 0:
         return
-    name, size = max(("edge_facet", facet), ("first_layer", cells.first_layer), key=lambda entry: entry[1])
+    name, size = max((key, facet), ("first_layer", cells.first_layer), key=lambda entry: entry[1])
     needed = size_for(MOST_AT_ENDS, scene.k)
     if size > needed:
         raise SceneError(
@@ -252,11 +252,14 @@ def check_round_off(scene: Scene, cells: Grading, problem: ContactProblem):
     attainable = OVER_ROUND_OFF * problem.terms.force_per_digit
     if attainable > ATTAINABLE:
         thicker = cells.first_layer * (attainable / ATTAINABLE) ** (1 / (1 - scene.k))
-        thicker *= cells.layer_growth  # layers fit the domain: the first may be lower by this factor
+        thicker = rounded(thicker * cells.layer_growth, up=True)  # fitted layers may be lower by this
+        would = f"{thicker:g} or more would do"
+        if scene.k < 0 and thicker > size_for(MOST_AT_ENDS, scene.k):
+            would = "no height that the steep ends of the traction allow would do: a smaller solver.gamma0 is needed"
         raise SceneError(
             f"mesh.first_layer = {cells.first_layer:g} is too thin for k = {scene.k:g} and solver.gamma0 = "
             f"{scene.solver.gamma0:g}: round-off would leave forces of {attainable:.0e} P unbalanced "
-            f"({FORCE_TOLERANCE:.0e} is the aim); {rounded(thicker, up=True):g} or more would do"
+            f"({FORCE_TOLERANCE:.0e} is the aim); {would}"
         )
 
 

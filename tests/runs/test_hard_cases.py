@@ -160,6 +160,10 @@ def test_thin_cells_are_kept():
 REFUSALS = {
     "slip zone": ({"load__amplitude": 0.01}, ("mesh.edge_facet", "slip zone", "load.amplitude = 0.01")),
     "steep ends": ({"solid__k": -0.9, "solid__nu": 0.3}, ("mesh.edge_facet", "k = -0.9")),
+    "steep ends, facet": (
+        {"solid__k": -0.9, "solid__nu": 0.3, "mesh__facet": 0.08, "mesh__edge_facet": 0.1},
+        ("mesh.facet = 0.08", "k = -0.9"),
+    ),
     "round-off": ({"solid__k": -0.7, "solid__nu": 0.3, "mesh__first_layer": 1e-6}, ("mesh.first_layer", "round-off")),
     "gamma0": ({"solver__gamma0": 0.1}, ("solver.gamma0 = 0.1", "0.3")),
     "surface nodes": ({"mesh__facet": 1e-3, "mesh__extent": 1e4}, ("surface nodes", "mesh.facet")),
@@ -201,6 +205,15 @@ def test_a_first_layer_that_a_refusal_asks_for_is_accepted(k):
         coarse_simulation(**stiff, mesh__first_layer=1e-7)
     needed = number_before(" or more", refusal)
     coarse_simulation(**stiff, mesh__first_layer=needed)
+
+
+def test_no_first_layer_is_asked_for_that_is_refused():
+    """At k = -0.9 the ends of the traction allow 0.015 at most, and with this gamma0 round-off wants 0.02."""
+    steep = {"solid__k": -0.9, "solid__nu": 0.3, "mesh__edge_facet": 5e-3, "mesh__first_layer": 1e-3}
+    with pytest.raises(SceneError, match="too thin .*: a smaller solver.gamma0 is needed$"):
+        coarse_simulation(**steep, solver__gamma0=1e4)
+    with pytest.raises(SceneError, match="mesh.first_layer = 0.02 is too coarse"):
+        coarse_simulation(**steep | {"mesh__first_layer": 0.02}, solver__gamma0=1e4)
 
 
 @pytest.mark.parametrize("ranks", [1, 2])
