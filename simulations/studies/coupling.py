@@ -98,6 +98,10 @@ def _interpolated(rows, name, mu, k, nu, fine_k, fine_nu):
 
     ratio = np.array([[rows[_point(a, b, mu)][name] / (strength(a, b) or np.nan) for b in nu] for a in k])
     ratio[np.array([[strength(a, b) for b in nu] for a in k]) < NOISE] = np.nan
+    known = ~np.isnan(ratio).all(axis=0)  # columns with a loop that did not fail
+    if known.sum() < 2:
+        return np.full((len(fine_nu), len(fine_k)), np.nan)
+    nu, ratio = nu[known], ratio[:, known]
     for column in ratio.T:  # at the Holl ratio, and where a loop failed: between its neighbours
         hole = np.isnan(column)
         column[hole] = np.interp(k[hole], k[~hole], column[~hole])

@@ -38,3 +38,17 @@ def test_table_is_resumed_and_drawn(tmp_path, monkeypatch):
     assert len(computed) == 37 and computed[-1] == computed[-2] == pytest.approx((0.7, 0.5, 0.6))
     assert len(csv_rows(table)) == 36
     assert all((tmp_path / f"coupling.{suffix}").stat().st_size > 1e4 for suffix in ("png", "svg"))
+
+
+@pytest.mark.parametrize("known", [0.3, 0.0], ids=["one column failed", "one column is left"])
+def test_a_ratio_at_which_every_loop_failed_is_left_out(tmp_path, monkeypatch, known):
+    def quick(k, nu, mu):
+        if nu > known:
+            raise ArithmeticError("no state")
+        return dict.fromkeys(coupling_map.SHOWN, 0.01 * (1 + k))
+
+    monkeypatch.setattr(coupling_map, "changes", quick)
+    coupling_map.main(["--output", str(tmp_path), "--values", "2", "3"])
+    rows = list(csv.DictReader((tmp_path / "coupling.csv").open(newline="")))
+    assert {row["pressure"] == "nan" for row in rows if float(row["nu"]) > known} == {True}
+    assert (tmp_path / "coupling.png").stat().st_size > 1e4
