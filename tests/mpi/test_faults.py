@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from mpi4py import MPI
+from petsc4py import PETSc
 from running import COARSE, coarse_arguments, contents, fill_disk
 
 from simulations import fretting
@@ -79,6 +80,17 @@ def test_a_factorisation_on_one_rank(rank, monkeypatch):
     if comm.rank == rank:
         monkeypatch.setattr("simulations.solvers.condensed.surface_compliance.PartialFactor", refuse)
     with pytest.raises(SolveError, match="load step 1 of .*: no memory"):
+        Simulation(comm, make_scene(COARSE)).run_to_end()
+
+
+@pytest.mark.parametrize("error", [MemoryError, np.linalg.LinAlgError, PETSc.Error])
+def test_an_error_of_one_rank_alone_is_raised_on_all(error, monkeypatch):
+    def refuse(*_):
+        raise error(77)
+
+    if comm.rank == 1:
+        monkeypatch.setattr("simulations.solvers.condensed.surface_compliance.PartialFactor", refuse)
+    with pytest.raises(error, match="77"):
         Simulation(comm, make_scene(COARSE)).run_to_end()
 
 

@@ -16,7 +16,6 @@ from scipy.sparse import csr_matrix, vstack
 
 from ...fem.body import ElasticBody, X
 from ...fem.parallel import gathered
-from ..bulk_solver import FactorisationError
 from .matrix import Block, ComplianceMatrix, StripInside
 from .mirror import NONE, Part, parts
 from .schur import PartialFactor
@@ -38,13 +37,14 @@ class SurfaceCompliance:
         self._blocks: list = []
         self.far = np.zeros((len(self.strip), 2))
         loads = np.stack([self._lifting(load) for load in np.eye(2)], axis=1)
-        failure = None
+        failure: Exception | None = None
         try:
             for number in range(self.comm.rank, self.comm.rank + len(found), self.comm.size):
                 self._add(found[number] if number < len(found) else Part(NONE), inner, interface, loads)
-        except FactorisationError as error:  # of one rank, perhaps, which is to fail on all
+        except Exception as error:  # of one rank, perhaps, which is to fail on all
             failure = error
-        for failure in filter(None, self.comm.allgather(failure)):
+        failures = [failure, *self.comm.allgather(failure)]
+        for failure in filter(None, failures):
             raise failure
         self.far = self.comm.reduce(self.far)
         blocks = self.comm.gather(self._blocks)
