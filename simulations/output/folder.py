@@ -158,10 +158,11 @@ def lost_table(folder: Path) -> str:
 
 def locked(folder: Path, option: str = "--output") -> Lock:
     """The lock of ``folder``, which is made; SceneError where that cannot be, or where another process has it."""
-    writable(folder, option)
+    made = writable(folder, option)
     try:
         return Lock(folder)
     except OSError as error:
+        remove_empty(made)
         raise SceneError(f"{option} {shown(folder)} cannot be written: {error.strerror}") from None
 
 

@@ -66,6 +66,15 @@ def test_the_users_files_are_never_touched(tmp_path, more):
     assert "holds history.csv, which is not as a run wrote it" in refusal(*arguments(tmp_path, *more))
 
 
+def test_a_lock_that_cannot_be_made_leaves_no_folder(tmp_path, monkeypatch):
+    def refuse(folder):
+        raise OSError(37, "No locks available")
+
+    monkeypatch.setattr(run_folder, "Lock", refuse)
+    assert "cannot be written: No locks available" in refusal(*arguments(tmp_path / "a" / "b"))
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_a_link_to_what_is_not_there_is_named(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "link").symlink_to("nowhere")
