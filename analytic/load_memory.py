@@ -15,6 +15,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .checks import require_partial_slip
+
 SAME_POINT = 1e-14  # of mu P: points of the polyline closer than this are one
 SAME_SLOPE = 1e-9  # of mu
 
@@ -50,8 +52,7 @@ class LoadMemory:
 
     def advanced(self, P, Q):
         """Memory after a straight line from the present loads to P and Q. Needs P > 0 and |Q| < mu P."""
-        if not (P > 0 and abs(Q) < self.mu * P):
-            raise ValueError(f"P = {P!r}, Q = {Q!r}: needs P > 0 and |Q| < mu P, mu = {self.mu!r}")
+        require_partial_slip(P, Q, self.mu)
         dP, dQ = P - self.P[-1], Q - self.Q[-1]
         if dP == 0 and dQ == 0:
             return self

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..checks import require_partial_slip
 from ..half_plane.linear import ContactNotConverged
 from ..material import GradedHalfPlane
 from . import guess
@@ -52,8 +53,7 @@ class CoupledLoop:
         """
         loads = [(float(P), float(Q)) for P, Q in loads]
         for P, Q in loads:
-            if not P > 0 or not (Q == 0 or abs(Q) < self.mu * P):
-                raise ValueError(f"P = {P!r}, Q = {Q!r}: needs P > 0 and |Q| < mu P, mu = {self.mu!r}")
+            require_partial_slip(P, Q, self.mu)
         if loads and loads[0][1] != 0:
             raise ValueError(f"Q = {loads[0][1]!r} at first contact: the first load has Q = 0")
         first = next((i for i, (_, Q) in enumerate(loads) if Q != 0), len(loads))

@@ -13,6 +13,7 @@ from math import exp, log
 import numpy as np
 from scipy.optimize import brentq
 
+from ..checks import require_partial_slip
 from ..material import GradedHalfPlane
 from .edges import stuck_runs
 from .increment import Increment
@@ -73,8 +74,7 @@ class HalfPlaneContact:
         memory, normal_stage = None, True
         for P, Q, *rest in loads:
             strain = rest[0] if rest else 0.0
-            if not P > 0 or not (Q == 0 or abs(Q) < self.mu * P):
-                raise ValueError(f"P = {P!r}, Q = {Q!r}: needs P > 0 and |Q| < mu P, mu = {self.mu!r}")
+            require_partial_slip(P, Q, self.mu)
             if memory is None:
                 if Q != 0:
                     raise ValueError(f"Q = {Q!r} at first contact: the first load has Q = 0")
