@@ -97,6 +97,13 @@ def test_an_error_begins_below_a_line_that_is_written_over(monkeypatch):
     assert terminal.getvalue() == "   3/31\nnot converged\nthat is all\n"
 
 
+def test_a_log_of_petsc_that_cannot_be_written_is_refused_before_the_run(tmp_path):
+    log = f":{tmp_path / 'missing' / 'log'}"
+    done = run_command(*coarse_arguments(tmp_path / "run"), "-log_view", log)
+    assert done.returncode == 2 and "cannot be written: No such file" in done.stderr
+    assert not (tmp_path / "run").exists() and done.stderr.count("\n") == 1
+
+
 @pytest.mark.parametrize("in_file", [False, True])
 def test_petsc_monitors_and_log(tmp_path, in_file):
     options = ["-fretting_snes_monitor", "-log_view"]
