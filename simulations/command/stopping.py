@@ -96,7 +96,8 @@ class Stopping:
         if not self._ending.acquire(blocking=False):
             while True:  # the other one ends the process; nothing else is to happen meanwhile
                 time.sleep(GIVEN)
-        code, reason = 128 + number, f"stopped by {signal.Signals(number).name}"
+        is_passed_on = number == signal.SIGTERM and self._stderr != 2  # mpirun makes one of every signal that it gets
+        code, reason = 128 + number, f"stopped by {'a signal' if is_passed_on else signal.Signals(number).name}"
         last = threading.Timer(GIVEN, os._exit, [code])
         last.daemon = True
         last.start()

@@ -131,6 +131,13 @@ def test_the_exit_code_of_a_batch_system(tmp_path):
     assert code == 128 + signal.SIGUSR1 and "stopped by SIGUSR1; " in said
 
 
+def test_a_signal_that_mpirun_passes_on_is_not_named(tmp_path):
+    """It comes as SIGTERM, whichever it was."""
+    process = start(*coarse_arguments(tmp_path, solver__increments=200), ranks=2)
+    _, said = stopped(process, lambda: process.pid, signal.SIGINT, 0.3)
+    assert "SIGTERM" not in said and ("stopped by a signal; " in said or "ended by force; " in said)
+
+
 @pytest.mark.parametrize("ranks, number, code", [(1, "SIGINT", 130), (2, "SIGTERM", 143), ("mpirun", "SIGTERM", 1)])
 def test_a_stopped_sweep_says_how_to_go_on(ranks, number, code, tmp_path):
     """To rank 0, or to mpirun, which then has a code of its own; what is finished is kept, as after a SIGKILL."""
