@@ -21,7 +21,7 @@ from ..fem.contact_problem import ContactProblem
 from ..fem.surface_points import SIDES, AllPoints
 from .approach import Approach, Ratio
 from .contact_points import BESIDE, Surface, open_points
-from .stopped_points import StickCurves, without_kink
+from .stopped_points import StickCurves
 
 KEEPS = 6  # solves after which the points that stop are those of the best state up to there
 
@@ -162,8 +162,6 @@ class AnchorIteration:
     def touching(self) -> np.ndarray:
         """Anchors (n,) where points stick, as far as that is known, and otherwise where they would touch."""
         touch = self._approach.anchors(self.before, self.after)
-        for side in () if self._approach.is_uncoupled else SIDES:
-            touch = without_kink(self._x, self.before, self.after, side, touch)
         return np.where(np.isnan(self._stuck), touch, self._stuck)
 
     def _inside(self) -> np.ndarray | None:

@@ -11,12 +11,11 @@ import numpy as np
 from forms.contact import CLOSED, OPEN
 
 from ..fem.surface_points import SIDES
-from .contact_points import BESIDE, Surface, edge_of_contact, leading
+from .contact_points import BESIDE, Surface, leading
 
 CUT = 4  # points that reach over the facet which an edge of contact cuts
 OUT = 2  # points beside that facet: outside, anchored with those that it reaches over; at the edge, they may stick
 DRAWN = 0.3  # least length of an edge's curve up to now, over that in this step, from which it goes on
-SLIVER = 0.06  # least width of a band of slip that an edge of stick draws through, over how far that of contact came
 FOLLOWS = 2.0  # times as far as the edge of contact that of stick goes which follows it; further it goes in a reversal
 FASTEST = 10.0  # longest step along the last change of anchors, over that change
 
@@ -104,12 +103,13 @@ def anchors_of_stopped(x, before: Surface, after: Surface, side: int, touch, sta
     if not sliding or sliding == len(outwards) or first == edge or states[edge - 1] != CLOSED:
         return none
     stopped, outer = outwards[first:edge], outwards[edge]
+    curve = np.where(side * x < side * x[outer], touch, after.s)  # where points stopped, which may have slid on since
 
     def joined(first) -> tuple[np.ndarray, np.ndarray]:
         # cubic through points on both sides of those from ``first`` to the edge
-        inside, outside = outwards[max(first - 1 - BESIDE, 0)], outwards[edge + min(BESIDE, sliding // 2)]
+        inner, outside = outwards[max(first - 1 - BESIDE, 0)], outwards[edge + min(BESIDE, sliding // 2)]
         stopped = outwards[first:edge]
-        return stopped, smooth(x, after.s, [inside, outwards[first - 1], outer, outside], x[stopped])
+        return stopped, smooth(x, curve, [inner, outwards[first - 1], outer, outside], x[stopped])
 
     if np.all(before.states == OPEN):  # the contact started from a point, under an indenter that is a power there
         if before.clearance[outer] == 0.0:  # all of a flat touches at once
@@ -120,8 +120,6 @@ def anchors_of_stopped(x, before: Surface, after: Surface, side: int, touch, sta
         return Curve(stopped, after.s[outer] * share[stopped], tip)
     was = x[before.states != OPEN]
     moved = abs(x[outwards[-1]] - (was[-1] if side > 0 else was[0]))
-    if abs(edge_of_contact(x, after.states, side) - (x[outer] + x[outwards[edge - 1]]) / 2) < SLIVER * moved:
-        return none  # it sticks up to its edge, but for what the facet there makes of it
     still = edge - leading(states[:edge][::-1] == CLOSED)
     slides_back = leading(states[first:still][::-1] == 2 * CLOSED - states[-1]) > CUT
     if slides_back and abs(x[outwards[still]] - x[outer]) < moved:  # what slid soon slides the other way
@@ -149,27 +147,7 @@ def anchors_of_stopped(x, before: Surface, after: Surface, side: int, touch, sta
         return Curve(stopped, touch[stopped] + (after.s[outer] - touch[outer]) * share, began)
     behind = outwards[np.argmin(np.abs(x[outwards] - (x[inner] - side * min(length, drawn))))]
     beside = outwards[max(first - 3, 0)]  # at the node before, as two points lie at some: the curve has no kink
-    curve = np.where(side * x < side * x[outer], touch, after.s)  # points behind may have slid on
     return Curve(stopped, smooth(x, curve, [behind, beside, inner, outer], x[stopped]), start)
-
-
-def without_kink(x, before: Surface, after: Surface, side: int, touch) -> np.ndarray:
-    """``touch`` (n,), but smooth where the edge of contact was before the step, if it has gone on.
-
-    The facet that it cut let points slide beside it, and moved those beyond it: where they stop they would keep that.
-    Points that slid there, at most ``CUT``, lie on a smooth curve through those further inside and further out.
-    """
-    contact = np.flatnonzero(after.states != OPEN)
-    outwards = contact if side > 0 else contact[::-1]
-    old = before.states[outwards]
-    was = len(old) - leading(old[::-1] == OPEN)
-    first, end = was - min(leading(old[:was][::-1] != CLOSED), CUT), was + OUT
-    inner, outer = first - 1 - BESIDE, end + BESIDE
-    if first == was or inner < 0 or outer >= len(old):
-        return touch
-    smoothed = touch.copy()
-    smoothed[outwards[first:end]] = smooth(x, touch, outwards[[inner, first - 1, end, outer]], x[outwards[first:end]])
-    return smoothed
 
 
 def smooth(x, values, support: list | np.ndarray, at) -> np.ndarray:
