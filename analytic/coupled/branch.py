@@ -7,8 +7,8 @@ from scipy.optimize import brentq
 
 from ..half_plane.linear import ContactNotConverged
 from .edges import ARRIVAL, ITERATIONS, EdgeSolver, edges_of
-from .problem import NormalStage
 from .rule import smooth_rule
+from .tractions import SlipState
 
 FIRST = 0.02  # least load over the span of the branch, where there is a solution,
 FIRST_BORNE = 0.5  # and from which on the energy needs one,
@@ -36,7 +36,7 @@ class Branch:
 
     def __init__(self, base, direction, span, guess, like=None):
         self.problem, self.base, self.direction, self.span = base.problem, base, direction, span
-        self._limit = base.problem.mu * (1 if isinstance(base, NormalStage) else 2)
+        self._limit = base.problem.mu * (2 if isinstance(base, SlipState) else 1)
         self._solver = EdgeSolver(base, direction * base.problem.mu)
         self._guess = like.guessed if like else guess
         self.loads, self._known, self._failure = np.empty(0), [], ""

@@ -10,7 +10,7 @@ from ..half_plane.linear import ContactNotConverged
 from ..material import GradedHalfPlane
 from . import guess
 from .branch import Branch
-from .problem import NormalStage
+from .pressed import NormalStage, PressedWithFriction
 from .state import CoupledState
 from .work import FrictionalWork
 
@@ -19,10 +19,11 @@ ORDER = 10  # of the basis, which also says at how many loads a branch is solved
 
 @dataclass(frozen=True)
 class CoupledLoop:
-    """Rigid profile on a graded half-plane, pressed without friction by P, and then loaded by Q.
+    """Rigid profile on a graded half-plane, pressed by P, and then loaded by Q.
 
     solid: a GradedHalfPlane; profile: a PowerProfile of an even power; P: line load [stress x length]; mu: friction
-    coefficient; coupling: False leaves out the coupling kernel; order: of the basis, see ``stick``.
+    coefficient; coupling: False leaves out the coupling kernel; order: of the basis, see ``stick``; friction_first:
+    pressed with friction from first contact, where without coupling nothing slips.
     Between two turns of Q the state depends on that at the first turn only: where it sticks its displacement is that
     at the turn, elsewhere |q| = mu p. So each state is found directly, and does not depend on those before it.
     """
@@ -33,6 +34,7 @@ class CoupledLoop:
     mu: float
     coupling: bool = True
     order: int = ORDER
+    friction_first: bool = False
 
     def run(self, loads, like: Sequence[CoupledState] = ()) -> list[CoupledState]:
         """State after every load (P, Q) of ``loads``; see ``where_known``, of which none may be missing.
@@ -66,6 +68,8 @@ class CoupledLoop:
         return states + self._tangential([Q / self.P for _, Q in loads[first:]], alike)
 
     def _normal(self, P):
+        if self.friction_first and self.coupling:
+            return PressedWithFriction(self.solid, self.profile, P, self.mu, self.order)
         return NormalStage(self.solid, self.profile, P, self.mu, self.coupling, self.order)
 
     def _tangential(self, loads, alike):
@@ -77,7 +81,8 @@ class CoupledLoop:
         for number, (direction, Qs) in enumerate(branches_of(loads)):
             span = abs(Qs[-1] - base.Q)
             try:
-                branch = Branch(base, direction, span, self._guess(branches), alike[number] if alike else None)
+                guessed = self._guess(branches, base, direction)
+                branch = Branch(base, direction, span, guessed, alike[number] if alike else None)
                 branch.solve_at(np.unique(np.abs(np.subtract(Qs, base.Q))))
             except ContactNotConverged as failure:
                 raise ContactNotConverged(f"P = {self.P:g}, Q up to {Qs[-1] * self.P:g}: {failure}") from None
@@ -94,10 +99,14 @@ class CoupledLoop:
             branches.append(branch)
         return states
 
-    def _guess(self, branches):
+    def _guess(self, branches, base, direction):
         """Guess of the edges after a turn, from the branches before it."""
+        if isinstance(base, PressedWithFriction):
+            return guess.pressed(base, direction)
         if not branches:
             return guess.uncoupled(self.solid.k, self.mu)
+        if len(branches) == 1 and isinstance(branches[0].base, PressedWithFriction):  # slip there was wide at once
+            return guess.uncoupled(self.solid.k, 2 * self.mu)
         if len(branches) > 2:
             return branches[-2].guessed
         return (guess.mirrored if len(branches) == 2 else guess.turned)(branches[-1])

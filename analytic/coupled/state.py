@@ -71,8 +71,8 @@ class CoupledState:
     def dissipated_energy(self):
         """Frictional work since first contact [stress x length²]. It needs more states; ContactNotConverged."""
         if self._friction is None:
-            return 0.0
-        before = self._turn.dissipated_energy if self._turn else 0.0
+            return self._normal.dissipated_energy
+        before = self._turn.dissipated_energy if self._turn else self._normal.dissipated_energy
         return before + self._friction.at(self._state) * self._units.load * self._units.displacement
 
     @cached_property

@@ -5,6 +5,7 @@ from functools import cached_property
 import numpy as np
 
 from .panels import GAUSS, NODES, TO_LEGENDRE, Panels, graded, legendre
+from .problem import Problem
 
 RATIO = 0.3  # of panels that shrink towards the breaks of a state
 SMALLEST_PANEL, SMALLEST_PANEL_STEEP = 3e-6, 3e-8  # of them, and for k < 0, where tractions end more steeply
@@ -68,7 +69,66 @@ def _merged(fine, values, breaks, x):
     return panels, (coefficients.T @ legendre(GAUSS, NODES)).ravel()
 
 
-class SlipState:
+class SurfaceState:
+    """Surface displacements that tractions on a contact cause.
+
+    contact: its edges; breaks: where tractions are not smooth; delta_x, delta_y: displacements of the indenter.
+    """
+
+    problem: Problem
+    contact: tuple[float, float]
+    breaks: np.ndarray
+    delta_x: float
+    delta_y: float
+
+    def tractions(self, x):
+        """p and q at x, shape (2, n)."""
+        raise NotImplementedError
+
+    @cached_property
+    def _panels(self):
+        """They shrink towards the edges of contact too."""
+        return shrinking([self.contact[0], *self.breaks, self.contact[1]], self.problem.k)
+
+    @cached_property
+    def _sampled(self):
+        """p and q at the nodes of ``_panels``, shape (2, panels, NODES)."""
+        return self.tractions(self._panels.nodes).reshape(2, -1, NODES)
+
+    def limit_between(self, friction, low, high, x):
+        """Panels between two points, and friction p - q at their nodes, for integrals with kernels that end at x."""
+        sampled, values = self._panels, self._sampled
+        first, last = np.searchsorted(sampled.low, low, side="right"), np.searchsorted(sampled.low, high)
+        panels = Panels.between(np.array([low, *sampled.low[first:last], high]))
+        p, q = values[:, first - 1 : last].copy()
+        for i, panel in ((0, slice(NODES)), (-1, slice(-NODES, None))):  # cut off
+            p[i], q[i] = self.tractions(panels.nodes[panel])
+        return _merged(panels, friction * p - q, self.breaks[(self.breaks > low) & (self.breaks < high)], x)
+
+    @cached_property
+    def _sources(self):
+        """Panels over the contact, with p and q at their nodes."""
+        return self._panels, *self._sampled.reshape(2, -1)
+
+    def _integrals(self, x):
+        panels, p, q = self._sources
+        even, odd = panels.matrices(x, self.problem.k)
+        return np.stack(self.problem.displacements(even @ p, odd @ p, even @ q, odd @ q))
+
+    @cached_property
+    def _moved(self):
+        return Interpolated(self._panels, self._integrals(self._panels.nodes)[:1])
+
+    def moved(self, x):
+        """u_x at x in the contact, interpolated."""
+        return self._moved(x)[0]
+
+    def displacements(self, x):
+        """u_x - delta_x and u_y - delta_y at x, shape (2, n)."""
+        return self._integrals(x) - np.array([self.delta_x, self.delta_y])[:, None]
+
+
+class SlipState(SurfaceState):
     """Equilibrium at the load Q since the turn ``base``: slip with q = friction p, and stick between c_l and c_r.
 
     coefficients: of r = friction p - q in the basis of the zone of stick; factors, profile: see ``linear.solve``;
@@ -105,37 +165,12 @@ class SlipState:
         return np.stack([p, self.friction * p - r])
 
     @cached_property
-    def _panels(self):
-        """They shrink towards the edges of contact too."""
-        return shrinking([self.contact[0], *self.breaks, self.contact[1]], self.problem.k)
-
-    @cached_property
-    def _sampled(self):
-        """p and q at the nodes of ``_panels``, shape (2, panels, NODES)."""
-        return self.tractions(self._panels.nodes).reshape(2, -1, NODES)
-
-    def limit_between(self, friction, low, high, x):
-        """Panels between two points, and friction p - q at their nodes, for integrals with kernels that end at x."""
-        sampled, values = self._panels, self._sampled
-        first, last = np.searchsorted(sampled.low, low, side="right"), np.searchsorted(sampled.low, high)
-        panels = Panels.between(np.array([low, *sampled.low[first:last], high]))
-        p, q = values[:, first - 1 : last].copy()
-        for i, panel in ((0, slice(NODES)), (-1, slice(-NODES, None))):  # cut off
-            p[i], q[i] = self.tractions(panels.nodes[panel])
-        return _merged(panels, friction * p - q, self.breaks[(self.breaks > low) & (self.breaks < high)], x)
-
-    @cached_property
     def _sources(self):
         """Panels over the contact that shrink towards its edges too, with p and q at their nodes."""
         edges = self.area.panels(self.stick)
         points = np.concatenate([edges.low, edges.high[-1:], self.table.panels.low])
         panels = Panels.between(np.unique(points))
         return panels, *self.tractions(panels.nodes)
-
-    def _integrals(self, x):
-        panels, p, q = self._sources
-        even, odd = panels.matrices(x, self.problem.k)
-        return np.stack(self.problem.displacements(even @ p, odd @ p, even @ q, odd @ q))
 
     @cached_property
     def _rigid(self):
@@ -144,17 +179,5 @@ class SlipState:
         u_x, u_y = self._integrals(x)[:, 0]
         return u_x - self.base.displacements(x)[0, 0], u_y + self.problem.height(x)[0]
 
-    @cached_property
-    def _moved(self):
-        return Interpolated(self._panels, self._integrals(self._panels.nodes)[:1])
-
-    def moved(self, x):
-        """u_x at x in the contact, interpolated."""
-        return self._moved(x)[0]
-
     delta_x = property(lambda self: self._rigid[0])
     delta_y = property(lambda self: self._rigid[1])
-
-    def displacements(self, x):
-        """u_x - delta_x and u_y - delta_y at x, shape (2, n)."""
-        return self._integrals(x) - np.array(self._rigid)[:, None]

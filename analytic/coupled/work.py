@@ -9,6 +9,7 @@ from scipy.special import digamma, loggamma
 from .branch import Branch
 from .exponents import oscillation
 from .panels import gauss
+from .pressed import PressedWithFriction
 
 BEYOND = 0.3  # logarithm of the load over which the motion is continued to the turn
 LOAD_NODES = 24  # of the integral over the loads
@@ -20,26 +21,34 @@ class FrictionalWork:
 
     def __init__(self, branch: Branch):
         self._branch = branch
+
+    @cached_property
+    def _compliance(self):
+        """d delta_x / dQ just after the turn: of full stick; where slip goes on from pressing, continued to there."""
+        branch = self._branch
         left, right = branch.base.contact
-        self._stuck = stick_compliance(branch.problem, (right - left) / 2)
+        if not isinstance(branch.base, PressedWithFriction):
+            return stick_compliance(branch.problem, (right - left) / 2)
+        t, delta_x = (values[:3] for values in branch.between(branch.first, branch.span))
+        return branch.direction * np.linalg.solve(np.stack([np.ones(3), t, t * np.log(t)], axis=1), delta_x / t)[0]
 
     @cached_property
     def _softening(self):
-        """(delta_x since the turn / load - that in full stick) / load, a function of ``Branch.variable`` for each of
+        """(delta_x since the turn / load - ``_compliance``) / load, a function of ``Branch.variable`` for each of
         the ``parts``; it changes like the logarithm of the load just after the turn."""
         branch, functions = self._branch, []
         for nodes in branch.nodes:
             t, delta_x = branch.between(nodes[0], nodes[-1])
             moved = branch.direction * (delta_x - branch.base.delta_x)
             v = branch.variable(t)
-            values = (moved / t - self._stuck) / t
+            values = (moved / t - self._compliance) / t
             functions.append(Chebyshev.fit(v, values, min(len(t), len(nodes)) - 1, domain=[v[0], v[-1]]))
         return functions
 
     def _motion_integral(self, load):
         """∫ (distance of the indenter since the turn) over the load, from the turn."""
         branch, (g, w) = self._branch, gauss(LOAD_NODES)
-        total = self._stuck * load**2 / 2
+        total = self._compliance * load**2 / 2
         for low, high, function in zip(branch.parts, branch.parts[1:], self._softening, strict=False):
             high = min(high, load)
             if low == 0:  # up to the first known state as a parabola over the logarithm of the load

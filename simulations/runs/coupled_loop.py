@@ -28,19 +28,20 @@ FINE = {1: 2e-3, 2: 0.02, 3: 0.02}
 
 
 def serves(scene: Scene, effects: Effects) -> bool:
-    """True for coupling on a power law under an even power profile, pressed without friction, without bulk strain, and
-    then at constant P; no other effect, such as elastic slip.
+    """True for coupling on a power law under an even power profile, without bulk strain, at constant P once Q acts; no
+    other effect, such as elastic slip.
     """
-    others = "friction in normal stage" in effects or "bulk strain" in effects or effects.without_closed_form
+    others = "bulk strain" in effects or effects.without_closed_form
     if "coupling" not in effects or not scene.is_power_law or not LOWEST <= scene.k <= HIGHEST or others:
         return False
     profile = scene.shape.analytic()
     return isinstance(profile, PowerProfile) and profile.m % 2 == 0
 
 
-def loop_of(scaled: Scaled, mu: float, coupling: bool = True, order: int = ORDER) -> CoupledLoop:
-    """The loop in scaled units, P = 1."""
-    return CoupledLoop(scaled.solid, scaled.indenter.analytic(), 1.0, mu, coupling, order)
+def loop_of(scaled: Scaled, mu: float, effects: Effects | tuple[str, ...], order: int = ORDER) -> CoupledLoop:
+    """The loop in scaled units, P = 1; effects: the names of those that are on."""
+    coupled, friction_first = "coupling" in effects, "friction in normal stage" in effects
+    return CoupledLoop(scaled.solid, scaled.indenter.analytic(), 1.0, mu, coupled, order, friction_first)
 
 
 @lru_cache(maxsize=1)
@@ -58,16 +59,19 @@ def grades(scene: Scene, effects: Effects) -> bool:
     return scene.cell_sizes["edge_facet"] < FINE[1 if scene.k < STEEP else scene.mesh.degree]
 
 
-def loop_edges(scene: Scene, scaled: Scaled, mu: float, schedule: Sequence[LoadStep]) -> ExpectedEdges | None:
+def loop_edges(
+    scene: Scene, scaled: Scaled, mu: float, effects: Effects, schedule: Sequence[LoadStep]
+) -> ExpectedEdges | None:
     """Edges of contact and stick after the load steps of the first cycle that have a state; None where a turn has none.
 
     A stop of the contact costs q = mu p what it costs p; one of stick costs q alone.
     """
     try:
-        found = states_of(loop_of(scaled, mu), tuple((step.P, step.Q) for step in schedule if step.cycle <= 1))
+        found = states_of(loop_of(scaled, mu, effects), tuple((step.P, step.Q) for step in schedule if step.cycle <= 1))
     except (ContactNotConverged, ValueError, ArithmeticError):
         return None
     states = [state for state in found if isinstance(state, CoupledState)]
+    states = states[sum(state.branch is None for state in states) - 1 :]  # from the end of pressing on
     Q_A = max(state.Q for state in states)
     ends: list[float] = []
     stops = [(abs(edge), 1.0) for edge in states[0].contact if scene.k < STEEP]  # of pressing: q is 0
@@ -81,7 +85,9 @@ def loop_edges(scene: Scene, scaled: Scaled, mu: float, schedule: Sequence[LoadS
             ends = [*edges, *ends]  # the last first
         else:
             stops += [(abs(edge), float(part)) for edge, part in zip(edges, share / np.array([1.0, 1.0, kink, kink]))]
-    return ExpectedEdges(several(ends), stops=stops_at(stops, MERGED * scene.cell_sizes["edge_facet"]), exact=True)
+    first = 1 / scene.solver.normal_increments if "friction in normal stage" in effects else None
+    stopped = stops_at(stops, MERGED * scene.cell_sizes["edge_facet"])
+    return ExpectedEdges(several(ends), first=first, stops=stopped, exact=True)
 
 
 def _is_quarter(share):

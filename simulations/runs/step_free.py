@@ -55,6 +55,8 @@ class StepFree(OfStates):
             self.between = like.between.coarser
         elif self.open:
             steps = range(1, len(simulation.schedule)) if self.lacks_energy else self.gaps
+            if "friction in normal stage" in simulation.effects:
+                steps = ()  # those of pressing count too
             self.between = MeshFree(simulation, tell, FEWER_NODES, estimated=estimated, since_turn=steps)
         states = list(self._own)
         for number in self.gaps:
@@ -65,8 +67,7 @@ class StepFree(OfStates):
     @staticmethod
     def _found(simulation, order, like) -> list:
         """The states, or the reason in the place of one."""
-        coupled = "coupling" in simulation.effects
-        loop = loop_of(simulation.scaled, simulation.mu, coupled, order)
+        loop = loop_of(simulation.scaled, simulation.mu, simulation.effects, order)
         loads = tuple((step.P, step.Q) for step in simulation.schedule)
         try:
             if like:

@@ -98,7 +98,7 @@ def truths(simulation: Simulation, reference: Reference) -> tuple[Reference, Ref
     """The truth at two resolutions, the finer one last; the springs, which are exact, are their own."""
     if isinstance(reference, Springs):
         return reference, reference
-    if simulation.scene.is_loop and "friction in normal stage" not in simulation.effects:
+    if simulation.scene.is_loop:
         try:
             coarse, fine = (StepFree(simulation, order) for order in ORDERS)
             return coarse, fine

@@ -12,7 +12,7 @@ from analytic.coupled.exponents import edge_exponent
 from analytic.coupled.linear import solve
 from analytic.coupled.loop import branches_of
 from analytic.coupled.panels import Panels, graded
-from analytic.coupled.problem import NormalStage
+from analytic.coupled.pressed import NormalStage
 from analytic.coupled.stick import layout
 from analytic.coupled.work import stick_compliance
 from analytic.half_plane.linear import ContactNotConverged

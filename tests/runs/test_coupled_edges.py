@@ -53,7 +53,8 @@ def test_rough_edges_are_those_of_the_turns(k, nu, mu):
     """The documented accuracy, beside the solver without load steps; the contact moves aside with Q."""
     made = plan(f"solid.k={k}", f"solid.nu={nu}", f"load.mu={mu}")
     found = expected_edges(made.scene, made.scaled, None, made.effects, made.schedule)
-    turns = loop_of(made.scaled, mu).run([(1.0, share * made.loop.Q_A) for share in (0.0, 1.0, -1.0, 1.0)])[1:]
+    loads = [(1.0, share * made.loop.Q_A) for share in (0.0, 1.0, -1.0, 1.0)]
+    turns = loop_of(made.scaled, mu, made.effects).run(loads)[1:]
     stick = np.array([state.stick for state in turns])
     for edge in np.abs([stick[-1], stick.min(axis=0), stick.max(axis=0)]).ravel():
         assert np.abs(np.array(found.edges) - edge).min() < ONE_EDGE + 2e-3
@@ -77,7 +78,7 @@ def test_facets_are_small_where_an_edge_stops_and_edges_lie_where_they_cost_leas
     made = plan("solver.increments=3")
     grading = made.grading()
     x = columns(grading)
-    states = states_of(loop_of(made.scaled, made.mu), tuple((step.P, step.Q) for step in made.schedule))
+    states = states_of(loop_of(made.scaled, made.mu, made.effects), tuple((step.P, step.Q) for step in made.schedule))
     edges = np.abs([edge for state in states[1:] for edge in (*state.contact, *state.stick)])
     after = np.searchsorted(x, edges)
     facets = x[after] - x[after - 1]
@@ -110,7 +111,7 @@ def test_the_mesh_takes_the_first_cycle_which_is_solved_once(monkeypatch):
     for cycles, solves in (("1", 1), ("2", 2)):
         made = plan("solver.increments=2", "load.cycles=" + cycles)
         made.grading()
-        states_of(loop_of(made.scaled, made.mu), tuple((step.P, step.Q) for step in made.schedule))
+        states_of(loop_of(made.scaled, made.mu, made.effects), tuple((step.P, step.Q) for step in made.schedule))
         assert len(asked) == solves and asked[0] == sum(step.cycle <= 1 for step in made.schedule)
         states_of.cache_clear()
         asked.clear()
@@ -120,7 +121,7 @@ def test_no_solution_leaves_the_rough_edges(monkeypatch):
     """Where points come into contact in stick up to the turn there is none; nor on large facets, which gain nothing."""
     asked = plan("solid.nu=-0.4", "load.mu=0.7", "solid.k=-0.3", "load.amplitude=0.3")
     assert grades(asked.scene, asked.effects)
-    assert coupled_loop.loop_edges(asked.scene, asked.scaled, asked.mu, asked.schedule) is None
+    assert coupled_loop.loop_edges(asked.scene, asked.scaled, asked.mu, asked.effects, asked.schedule) is None
     assert asked.grading().stops == ()
     coarse = plan("mesh.edge_facet=0.02")
     assert not grades(coarse.scene, coarse.effects)
@@ -129,7 +130,8 @@ def test_no_solution_leaves_the_rough_edges(monkeypatch):
 def test_load_steps_without_a_state_leave_the_others_their_places():
     """Just after the turns points come into contact in stick: two of ten load steps have no state."""
     asked = plan("solid.k=-0.543", "solid.nu=-0.083", "load.mu=0.0994", "load.amplitude=0.661", "solver.increments=2")
-    states = states_of(loop_of(asked.scaled, asked.mu), tuple((step.P, step.Q) for step in asked.schedule))
+    loads = tuple((step.P, step.Q) for step in asked.schedule)
+    states = states_of(loop_of(asked.scaled, asked.mu, asked.effects), loads)
     known = [isinstance(state, CoupledState) for state in states]
     assert known == [True, True, True, False, True, True, True, False, True, True, True]
     cells = asked.grading()

@@ -146,7 +146,7 @@ def _states(model, mesh, u, schedule, solve, mu):
 
 def _errors(scene, scaled, schedule, states):
     """Against the half-plane solver without load steps, at the last state, the worst one, and over the cycle."""
-    exact = loop_of(scaled, scene.mu).run([(1.0, 0.0), *((step.P, step.Q) for step in schedule)])
+    exact = loop_of(scaled, scene.mu, ("coupling",)).run([(1.0, 0.0), *((step.P, step.Q) for step in schedule)])
     of_states = [_deviations(state, other) for state, other in zip(states, exact[1:], strict=True)]
     work = 0.0
     for before, after in zip(states[QUARTER - 1 :], states[QUARTER:]):

@@ -1,0 +1,106 @@
+"""States after pressing by P alone, from which Q starts, in the units of ``Problem``."""
+
+from functools import cached_property
+
+import numpy as np
+
+from ..cylinder import CylinderContact
+from ..half_plane.linear import ContactNotConverged
+from ..normal import normal_contact
+from ..pressing_with_friction import PressingWithFriction
+from .panels import Panels, graded
+from .problem import problem_of
+from .tractions import Interpolated, SurfaceState
+
+LEVELS, RATIO = 15, 0.4  # of the panels on which the pressure without friction is integrated or interpolated
+NARROW = 1e-6  # width of slip over a below which all sticks; next to the Holl ratio it is exponentially narrow
+
+
+class NormalStage(SurfaceState):
+    """Frictionless contact.
+
+    problem: the tangential problem that follows; contact: edges; breaks: where tractions are not smooth, nowhere; Q,
+    delta_x, delta_y: load and displacements; dissipated_energy: until now [stress x length²].
+    """
+
+    contact = (-1.0, 1.0)
+    breaks = np.empty(0)
+    Q = delta_x = dissipated_energy = 0.0
+
+    def __init__(self, solid, profile, P, mu, coupling, order):
+        self.solid, self.P = solid, P
+        self._closed = normal_contact(solid, profile, P)
+        self.a = self._closed.a
+        self._cylinder = isinstance(self._closed, CylinderContact)
+        self.problem = problem_of(solid, profile, P, mu, coupling, order, self.a)
+
+    @cached_property
+    def _smooth(self):
+        """The pressure over 0 < x < 1, without its root at the edge."""
+        panels = Panels.between(graded(0.0, 1.0, 0, LEVELS, RATIO))
+        x = panels.nodes
+        return Interpolated(panels, (self._closed.pressure(self.a * x) * self.a / self.P / self._root(x))[None])
+
+    def _root(self, x):
+        return np.maximum((1 - x) * (1 + x), 0.0) ** ((1 + self.solid.k) / 2)
+
+    def tractions(self, x):
+        """p and q at x, shape (2, n)."""
+        if self._cylinder:
+            p = self._closed.pressure(self.a * x) * self.a / self.P
+        else:
+            r = np.minimum(np.abs(x), 1.0)
+            p = self._smooth(r)[0] * self._root(r)
+        return np.stack([p, np.zeros_like(p)])
+
+    @cached_property
+    def _panels(self):
+        return Panels.between(graded(*self.contact, LEVELS, LEVELS, RATIO))
+
+    @cached_property
+    def delta_y(self):
+        """Displacement of the profile's tip."""
+        return float(self._integrals(np.zeros(1))[1, 0])
+
+
+class PressedWithFriction(SurfaceState):
+    """Contact with friction from first contact, exact: slip of both signs beside ``stick``. See ``NormalStage``.
+
+    Raises ContactNotConverged where every point slips.
+    """
+
+    contact = (-1.0, 1.0)
+    Q = delta_x = 0.0
+
+    def __init__(self, solid, profile, P, mu, order):
+        self.solid, self.P = solid, P
+        self._exact = PressingWithFriction(solid, profile, mu, P)
+        c = self._exact.stick_ratio
+        if not c:
+            raise ContactNotConverged("every point slips while P grows")
+        self.a, self.dissipated_energy = self._exact.contact_half_width, self._exact.dissipated_energy
+        self.problem = problem_of(solid, profile, P, mu, True, order, self.a)
+        self.stick = -c, c
+        # p is like |x|^(m+k-1) in the middle
+        self.breaks = np.array([-c, 0.0, c] if c < 1 - NARROW else [0.0])
+
+    @cached_property
+    def _sampled(self):
+        x = self.a * self._panels.nodes
+        values = np.stack([self._exact.pressure(x), self._exact.traction(x)]) * self.a / self.P
+        return values.reshape(2, len(self._panels.low), -1)
+
+    @cached_property
+    def _interpolated(self):
+        return Interpolated(self._panels, self._sampled)
+
+    def tractions(self, x):
+        """p and q at x, shape (2, n), interpolated: each exact value takes as long as a hundred of these."""
+        return np.where(np.abs(x) < 1, self._interpolated(np.clip(x, -1.0, 1.0)), 0.0)
+
+    delta_y = NormalStage.delta_y
+
+    @property
+    def goes_on(self):
+        """Direction of Q, +1 or -1, in which the points of the right zone of slip go on."""
+        return float(np.sign(self.tractions(np.array([(1 + self.stick[1]) / 2]))[1, 0]))
