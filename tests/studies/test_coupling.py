@@ -49,6 +49,6 @@ def test_a_ratio_at_which_every_loop_failed_is_left_out(tmp_path, monkeypatch, k
 
     monkeypatch.setattr(coupling_map, "changes", quick)
     coupling_map.main(["--output", str(tmp_path), "--values", "2", "3"])
-    rows = list(csv.DictReader((tmp_path / "coupling.csv").open(newline="")))
+    rows = csv_rows(tmp_path / "coupling.csv")
     assert {row["pressure"] == "nan" for row in rows if float(row["nu"]) > known} == {True}
     assert (tmp_path / "coupling.png").stat().st_size > 1e4
