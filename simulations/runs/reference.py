@@ -65,7 +65,8 @@ def of_same_physics(simulation: Simulation, tell: Tell | None = None) -> Referen
         try:
             return StepFree(simulation, estimated=True, filled=True, tell=tell)
         except NoReference:  # the other solver may
-            if simulation.scene.is_loop and (found := _since_turns(simulation, tell)):
+            pressed_first = "friction in normal stage" in simulation.effects  # load steps of pressing count too
+            if simulation.scene.is_loop and not pressed_first and (found := _since_turns(simulation, tell)):
                 return found
     return _mesh_free(simulation, tell)
 
