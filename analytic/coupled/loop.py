@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -62,6 +63,8 @@ class CoupledLoop:
         for P, _ in loads[max(first - 1, 0) :]:
             if P != self.P:
                 raise ContactNotConverged(f"P = {P!r} while Q acts: P has to stay at {self.P!r} after the normal stage")
+        if self.friction_first and any(P < before for (before, _), (P, _) in pairwise(loads[:first])):
+            raise ContactNotConverged("P falls before Q acts, and friction from first contact remembers it")
         pressed = (self._normal(P) for P, _ in loads[:first])
         states = [CoupledState(normal, normal) for normal in pressed]
         alike = list(dict.fromkeys(state.branch for state in like if state.branch))

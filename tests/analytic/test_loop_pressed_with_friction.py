@@ -116,3 +116,11 @@ def test_where_every_point_slides_while_pressed_there_is_no_such_state():
     """k < 0 and little friction."""
     with pytest.raises(ContactNotConverged, match="every point slips"):
         loop(-0.5, 0.3, 0.05, 0.5)
+
+
+def test_where_the_pressure_falls_again_there_is_no_such_state():
+    """The contact is not similar to itself any more."""
+    loads = [(P, 0.0), (P / 2, 0.0)]
+    with pytest.raises(ContactNotConverged, match="P falls"):
+        CoupledLoop(solid_of(0.3, 0.3), PROFILE, P / 2, 0.5, friction_first=True).run(loads)
+    assert len(CoupledLoop(solid_of(0.3, 0.3), PROFILE, P / 2, 0.5).run(loads)) == 2
