@@ -100,7 +100,7 @@ def test_an_error_begins_below_a_line_that_is_written_over(monkeypatch):
 def test_a_log_of_petsc_that_cannot_be_written_is_refused_before_the_run(tmp_path):
     log = f":{tmp_path / 'missing' / 'log'}"
     done = run_command(*coarse_arguments(tmp_path / "run"), "-log_view", log)
-    assert done.returncode == 2 and "cannot be written: No such file" in done.stderr
+    assert done.returncode == 2 and "cannot be written: there is no such folder" in done.stderr
     assert not (tmp_path / "run").exists() and done.stderr.count("\n") == 1
 
 
