@@ -6,6 +6,7 @@ stick after every load step are known, and the mesh has a place for each. The re
 
 from collections.abc import Sequence
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -18,7 +19,7 @@ from ..loading.schedule import LoadStep
 from ..scene import Scene
 from ..scene.effects import Effects
 from ..scene.scaling import Scaled
-from .expected_edges import MERGED, TURNED, ExpectedEdges, several, share_of_limit, stops_at
+from .expected_edges import FINER_WITH_COUPLING, MERGED, TURNED, ExpectedEdges, several, share_of_limit, stops_at
 
 LOWEST, HIGHEST = -0.9, 0.9  # k for which docs/accuracy.md has what both orders of the basis differ by
 STEEP = -0.5  # k below which pressure zigzags where its edge has no place in a facet: by 15 % at k = -0.6
@@ -76,6 +77,11 @@ def loop_edges(
     ends: list[float] = []
     stops = [(abs(edge), 1.0) for edge in states[0].contact if scene.k < STEEP]  # of pressing: q is 0
     kink = 1.0
+    pressing: dict[str, Any] = {}
+    if "friction in normal stage" in effects:  # points have slid, and q is not 0 when Q begins
+        way = states[0].stick[1], states[0].contact[1]
+        pressing = {"first": 1 / scene.solver.normal_increments, "stick_way": way, "fineness": FINER_WITH_COUPLING}
+        states.insert(0, states[0])
     for before, state in zip(states, states[1:]):
         kink = TURNED if state.Q < before.Q else kink
         edges = (*state.contact, *state.stick)
@@ -85,9 +91,8 @@ def loop_edges(
             ends = [*edges, *ends]  # the last first
         else:
             stops += [(abs(edge), float(part)) for edge, part in zip(edges, share / np.array([1.0, 1.0, kink, kink]))]
-    first = 1 / scene.solver.normal_increments if "friction in normal stage" in effects else None
     stopped = stops_at(stops, MERGED * scene.cell_sizes["edge_facet"])
-    return ExpectedEdges(several(ends), first=first, stops=stopped, exact=True)
+    return ExpectedEdges(several(ends), stops=stopped, exact=True, **pressing)
 
 
 def _is_quarter(share):

@@ -47,7 +47,7 @@ def test_python_names_its_own_argument(swept, tmp_path):
     (tmp_path / "file").touch()
     another = "is not allowed: it holds another sweep; overwrite=True replaces it"
     for folder, why in ((swept, another), (tmp_path / "file", "cannot be written")):
-        with pytest.raises(SceneError, match=f"^output = {folder} {why}"):
+        with pytest.raises(SceneError, match=rf"^output = {str(folder)[:20]}.* {why}"):  # long paths are cut
             sweeping.sweep(vary={"load.mu": [0.5]}, sets=COARSE_SETS, output=folder)
 
 
