@@ -248,7 +248,7 @@ class Branch:
                 if passed[-1] and not passed[0]:
                     i = passed.index(True)
                     result.append(self._crossing(x, end, self.loads[i - 1], self.loads[i]))
-        apart, kept = SHORTEST * self.span, [FIRST * self.span]
+        apart, kept = SHORTEST * self.span, [max(FIRST * self.span, self.first)]
         for load in sorted(result):
             if load > kept[-1] + apart and load < self.span - apart:
                 kept.append(load)
