@@ -62,10 +62,11 @@ def of_same_physics(simulation: Simulation, tell: Tell | None = None) -> Referen
     if kind == "closed form":
         raise NoReference("there is no closed form of this problem, and reference.kind = closed form")
     if serves(simulation.scene, simulation.effects):
+        # with friction load steps of pressing count too: then the other solver gives all states or none
+        pressed_first = "friction in normal stage" in simulation.effects
         try:
-            return StepFree(simulation, estimated=True, filled=True, tell=tell)
+            return StepFree(simulation, estimated=True, filled=not pressed_first, tell=tell)
         except NoReference:  # the other solver may
-            pressed_first = "friction in normal stage" in simulation.effects  # load steps of pressing count too
             if simulation.scene.is_loop and not pressed_first and (found := _since_turns(simulation, tell)):
                 return found
     return _mesh_free(simulation, tell)

@@ -55,8 +55,6 @@ class StepFree(OfStates):
             self.between = like.between.coarser
         elif self.open:
             steps = range(1, len(simulation.schedule)) if self.lacks_energy else self.gaps
-            if "friction in normal stage" in simulation.effects:
-                steps = ()  # those of pressing count too
             self.between = MeshFree(simulation, tell, FEWER_NODES, estimated=estimated, since_turn=steps)
         states = list(self._own)
         for number in self.gaps:
