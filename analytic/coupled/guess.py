@@ -5,7 +5,7 @@ Each returns the variables (4,) of ``edges.edges_of``.
 
 import numpy as np
 
-from .edges import edges_of, variables_of
+from .edges import variables_of
 
 MIRRORED = np.array([-1.0, 1.0, 1.0, -1.0])  # signs of the variables at -x, in reverse order
 CLOSE = 1e-3  # to where stick ended, over its half-width
@@ -15,7 +15,7 @@ def uncoupled(k, limit):
     """From a state of full stick, without coupling, (48)."""
 
     def guess(load):
-        c = max(1 - load / limit, 1e-3) ** (1 / (2 + k))
+        c = _stick(k, limit, load)
         return variables_of(np.array([-1.0, -c, c, 1.0]), load, (-1.0, 1.0))
 
     return guess
@@ -25,12 +25,17 @@ def pressed(base, direction):
     """From a state pressed with friction, as ``uncoupled``; on one side slip goes on from where it is."""
 
     def guess(load):
-        _, c_l, c_r, _ = edges_of(uncoupled(base.problem.k, base.problem.mu)(load), load, base.contact)
-        start = base.stick[1] * (1 - CLOSE)
-        c_l, c_r = (c_l, min(c_r, start)) if base.goes_on == direction else (max(c_l, -start), c_r)
+        c = _stick(base.problem.k, base.problem.mu, load)
+        shorter = min(c, base.stick[1] * (1 - CLOSE))
+        c_l, c_r = (-c, shorter) if base.goes_on == direction else (-shorter, c)
         return variables_of(np.array([-1.0, c_l, c_r, 1.0]), load, base.contact)
 
     return guess
+
+
+def _stick(k, limit, load):
+    """Half-width of stick without coupling, (48)."""
+    return max(1 - load / limit, 1e-3) ** (1 / (2 + k))
 
 
 def mirrored(branch):

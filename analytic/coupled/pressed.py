@@ -1,6 +1,7 @@
 """States after pressing by P alone, from which Q starts, in the units of ``Problem``."""
 
-from functools import cached_property
+from dataclasses import replace
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -10,7 +11,7 @@ from ..normal import normal_contact
 from ..pressing_with_friction import PressingWithFriction
 from .panels import Panels, graded
 from .problem import problem_of
-from .tractions import Interpolated, SurfaceState
+from .tractions import Interpolated, SurfaceState, shrinking
 
 LEVELS, RATIO = 15, 0.4  # of the panels on which the pressure without friction is integrated or interpolated
 NARROW = 1e-6  # width of slip over a below which all sticks; next to the Holl ratio it is exponentially narrow
@@ -74,33 +75,38 @@ class PressedWithFriction(SurfaceState):
 
     def __init__(self, solid, profile, P, mu, order):
         self.solid, self.P = solid, P
-        self._exact = PressingWithFriction(solid, profile, mu, P)
-        c = self._exact.stick_ratio
+        exact = PressingWithFriction(solid, profile, mu, P)
+        c = exact.stick_ratio
         if not c:
             raise ContactNotConverged("every point slips while P grows")
-        self.a, self.dissipated_energy = self._exact.contact_half_width, self._exact.dissipated_energy
+        self.a, self.dissipated_energy = exact.contact_half_width, exact.dissipated_energy
         self.problem = problem_of(solid, profile, P, mu, True, order, self.a)
-        self.stick = -c, c
-        # p is like |x|^(m+k-1) in the middle
-        self.breaks = np.array([-c, 0.0, c] if c < 1 - NARROW else [0.0])
-
-    @cached_property
-    def _sampled(self):
-        x = self.a * self._panels.nodes
-        values = np.stack([self._exact.pressure(x), self._exact.traction(x)]) * self.a / self.P
-        return values.reshape(2, len(self._panels.low), -1)
-
-    @cached_property
-    def _interpolated(self):
-        return Interpolated(self._panels, self._sampled)
+        self.stick, self.breaks = (-c, c), _breaks(c)
+        self._alike = replace(exact, P=1.0)
 
     def tractions(self, x):
-        """p and q at x, shape (2, n), interpolated: each exact value takes as long as a hundred of these."""
-        return np.where(np.abs(x) < 1, self._interpolated(np.clip(x, -1.0, 1.0)), 0.0)
+        """p and q at x, shape (2, n)."""
+        return np.where(np.abs(x) < 1, _self_similar(self._alike)(np.clip(x, -1.0, 1.0)), 0.0)
 
     delta_y = NormalStage.delta_y
 
     @property
     def goes_on(self):
-        """Direction of Q, +1 or -1, in which the points of the right zone of slip go on."""
-        return float(np.sign(self.tractions(np.array([(1 + self.stick[1]) / 2]))[1, 0]))
+        """Direction of Q in which the points of the right zone of slip go on; 0 at the Holl ratio, where none slip."""
+        return -np.sign(self.problem.d)
+
+
+def _breaks(c):
+    """Where tractions are not smooth: p is like |x|^(m+k-1) in the middle."""
+    return np.array([-c, 0.0, c] if c < 1 - NARROW else [0.0])
+
+
+@lru_cache(maxsize=4)
+def _self_similar(exact):
+    """p and q as functions of x in the units of ``Problem``, in which they are the same under every load.
+
+    Interpolated, as each exact value takes as long as a hundred of these.
+    """
+    panels, a = shrinking([-1.0, *_breaks(exact.stick_ratio), 1.0], exact.solid.k), exact.contact_half_width
+    x = a * panels.nodes
+    return Interpolated(panels, np.stack([exact.pressure(x), exact.traction(x)]) * a / exact.P)

@@ -5,8 +5,8 @@ stick after every load step are known, and the mesh has a place for each. The re
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 
@@ -77,11 +77,10 @@ def loop_edges(
     ends: list[float] = []
     stops = [(abs(edge), 1.0) for edge in states[0].contact if scene.k < STEEP]  # of pressing: q is 0
     kink = 1.0
-    pressing: dict[str, Any] = {}
-    if "friction in normal stage" in effects:  # points have slid, and q is not 0 when Q begins
-        way = states[0].stick[1], states[0].contact[1]
-        pressing = {"first": 1 / scene.solver.normal_increments, "stick_way": way, "fineness": FINER_WITH_COUPLING}
-        states.insert(0, states[0])
+    with_friction = "friction in normal stage" in effects
+    pressed = states[0]
+    if with_friction:  # its q is not 0
+        states.insert(0, pressed)
     for before, state in zip(states, states[1:]):
         kink = TURNED if state.Q < before.Q else kink
         edges = (*state.contact, *state.stick)
@@ -92,7 +91,12 @@ def loop_edges(
         else:
             stops += [(abs(edge), float(part)) for edge, part in zip(edges, share / np.array([1.0, 1.0, kink, kink]))]
     stopped = stops_at(stops, MERGED * scene.cell_sizes["edge_facet"])
-    return ExpectedEdges(several(ends), stops=stopped, exact=True, **pressing)
+    expected = ExpectedEdges(several(ends), stops=stopped, exact=True)
+    if not with_friction:
+        return expected
+    slid = pressed.stick[1], pressed.contact[1]  # where points slid while P grew
+    first = 1 / scene.solver.normal_increments
+    return replace(expected, first=first, stick_way=slid, fineness=FINER_WITH_COUPLING)
 
 
 def _is_quarter(share):
