@@ -123,7 +123,7 @@ class AnchorIteration:
     """
 
     def __init__(self, x, before: Surface, approach: Approach, start: dict[int, float], stuck: np.ndarray):
-        self._x, self._approach, self._stuck = x, approach, stuck
+        self._approach, self._stuck = approach, stuck
         self.before = self.after = before
         self._curves = StickCurves(x, before, start)
         self.starts = self._curves.starts

@@ -30,7 +30,7 @@ def taken(comm, folder: Path, items: list[Item], overwrite: bool, option: str = 
     def take():
         nonlocal lock
         lock = locked(folder, option)
-        _make_ready(folder, items, overwrite, f"{option} {shown(folder)} is not allowed: ")
+        _make_ready(folder, items, overwrite, option)
 
     try:
         on_root(comm, take, SceneError)
@@ -40,8 +40,9 @@ def taken(comm, folder: Path, items: list[Item], overwrite: bool, option: str = 
             lock.release()
 
 
-def _make_ready(folder, items, overwrite, start):
+def _make_ready(folder, items, overwrite, option):
     store, table = Store(folder / KEPT), folder / TABLE
+    start = f"{option} {shown(folder)} is not allowed: "
     run = next((name for name in FILES if (folder / name).exists()), None)
     if run:
         raise SceneError(f"{start}it holds {run}, of a single run; choose another folder")
@@ -50,7 +51,7 @@ def _make_ready(folder, items, overwrite, start):
         raise SceneError(f"{start}it holds {stranger}, which no sweep wrote; choose another folder")
     kept = store.read()
     if kept.keys() - {item.key for item in items} and not overwrite:
-        replaces = "--overwrite" if start.startswith("--") else "overwrite=True"
+        replaces = "--overwrite" if option.startswith("--") else "overwrite=True"
         raise SceneError(f"{start}it holds another sweep; {replaces} replaces it, another folder keeps both")
     try:
         # a run that was kept and has lost its scene would be refused as another's, and could never be solved again
