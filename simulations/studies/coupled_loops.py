@@ -1,6 +1,6 @@
-"""Coupled loops over k, ν, μ and Q_A: the solver without load steps at two orders, and finite elements beside it.
+"""Coupled loops over k, ν, μ and Q_A: finite elements on their default mesh, and the solver without load steps beside.
 
-    mpirun -n 2 python -m simulations.studies.coupled_loops [--output DIR] [--only reference elements] [--stored]
+    mpirun -n 2 python -m simulations.studies.coupled_loops [--output DIR] [--stored]
 
 A cylinder is pressed without friction, then Q goes from 0 to Q_A, to -Q_A and back. The ranks share the loops; a study
 that was stopped goes on where it was.
@@ -13,106 +13,85 @@ from argparse import Namespace
 import numpy as np
 from mpi4py import MPI
 
-from analytic import CoupledLoop, GradedHalfPlane, PowerProfile
-from analytic.coupled.loop import ORDER
-from analytic.half_plane.linear import ContactNotConverged
-
 from ..command.command import comm, on_root, run, say
 from ..loading.stepping import SolveError
 from ..output.files import write_table, write_text
-from ..runs.comparison import NoReference, compare, worst
+from ..runs import zigzags
+from ..runs.comparison import compare, worst_and_own
+from ..runs.reference import NoReference, of_same_physics
 from ..runs.simulation import Simulation
-from ..runs.step_free import LOWER, StepFree
+from ..runs.step_free import StepFree
 from ..scene import SceneError, make_scene
 from .commandline import asked_for, make_folders, study_parser
 from .engine import FAILED, Item, Row, run_all, workers
 from .store import Store
 
-K, NU = (-0.9, -0.7, -0.5, -0.3, 0.0, 0.3, 0.5, 0.7, 0.9), (0.0, 0.2, 0.4, 0.495)
-FRICTION, AMPLITUDE = (0.3, 0.1, 0.6, 1.0), (0.6, 0.95, 0.3)
-WITH_ELEMENTS = (0.2, 0.3, 0.95), (0.4, 0.6, 0.6)  # ν, μ and Q_A/μP, for every k, with finite elements beside
-WAY = (0.5, 1.0, 0.5, 0.0, -0.5, -1.0, -0.5, 0.0, 0.5, 1.0)  # Q over Q_A
-KINDS = ("reference", "elements")
+GRID = {
+    "load.mu": (0.3, 0.1, 0.6, 1.0),
+    "load.amplitude": (0.6, 0.95, 0.3),
+    "solid.nu": (0.0, 0.2, 0.4, 0.495),
+    "solid.k": (-0.9, -0.7, -0.5, -0.3, 0.0, 0.3, 0.5, 0.7, 0.9),
+}
+BASE = {"solid.E0": 210e9, "solid.y0_over_a0": 10.0, "indenter.R": 0.1, "load.P": 1e6}
 KEPT = "loops.jsonl"  # what is solved
-DIFFERENCES = ("pressure", "traction", "stick", "energy")  # of two orders of the basis
-ERRORS = ("pressure_l2", "traction_l2", "slip_l2", "dissipated_energy")  # of finite elements
-COLUMNS = ("kind", "k", "nu", "mu", "share", *DIFFERENCES, *ERRORS, "seconds", "why")
+ERRORS = ("pressure_l2", "traction_l2", "slip_l2", "c", "dissipated_energy")
+OWN = tuple(f"own_{name}" for name in ERRORS)  # of these, what is the reference's own
+MESH_FREE = ("mesh_free_states", "mesh_free_energy")
+SECONDS = ("seconds", "reference_seconds")
+COLUMNS = (*(key.partition(".")[2] for key in GRID), *ERRORS, *OWN, *MESH_FREE, *SECONDS, "zigzag", "fails", "why")
+LETTERS = ("p", "q", "slip", "c", "energy")
 
 
-def cases(kinds=KINDS) -> list[Row]:
-    """Values of every run."""
-    grid = itertools.product(FRICTION, AMPLITUDE, NU, K)
-    loops = [(k, nu, mu, share, KINDS[0]) for mu, share, nu, k in grid]
-    loops += [(k, *case, KINDS[1]) for case in WITH_ELEMENTS for k in K]
-    return [dict(zip(("k", "nu", "mu", "share", "kind"), loop)) for loop in loops if loop[-1] in kinds]
+def cases() -> list[Row]:
+    """Scene keys of every loop beside those of BASE."""
+    return [dict(zip(GRID, values)) for values in itertools.product(*GRID.values())]
 
 
 def solve(values: Row) -> Row:
-    """Row of one run: differences of two orders, or errors of finite elements, and processor time; or ``why`` not."""
-    try:
-        return (orders_apart if values["kind"] == KINDS[0] else elements)(values)
-    except (SceneError, SolveError, NoReference, ContactNotConverged) as reason:
-        return {"why": str(reason)}
+    """Row of one loop, or ``why`` there is none.
 
-
-def orders_apart(values: Row) -> Row:
-    """Largest differences over all states between a lower order and that of the reference.
-
-    Of p and q in L2, over p; of the stick half-width over that of the contact; of the energy of the cycle.
+    Largest errors of p, q and slip over all states of the cycle, of c at its end and of its energy; what of these is
+    the reference's own; how many of its states, and whether its energy, are the mesh-free solver's; processor time of
+    the run, and of the reference beyond what the run had found for its mesh; the largest zigzag of p or q over its
+    range, and the checks of the run that do not hold.
     """
     start = time.process_time()
-    fine = _states(values, ORDER)
     try:
-        coarse = _states(values, ORDER - LOWER, fine)
-    except ContactNotConverged:
-        coarse = _states(values, ORDER + LOWER, fine)
-    seconds = time.process_time() - start
-    rows = []
-    for state, other in zip(fine[1:], coarse[1:], strict=True):
-        norm = np.sqrt(state.weight @ state.pressure**2)
-        apart = other.pressure_at(state.x) - state.pressure, other.traction_at(state.x) - state.traction
-        contact, stick, stick_too = (np.diff(edges)[0] for edges in (state.contact, state.stick, other.stick))
-        rows.append([*(np.sqrt(state.weight @ d**2) / norm for d in apart), abs(stick_too - stick) / contact])
-    energy, lower = (_cycle(states) for states in (fine, coarse))
-    largest = [*np.max(rows, axis=0), abs(lower / energy - 1)]
-    return dict(zip(DIFFERENCES, map(float, largest))) | {"seconds": seconds}
-
-
-def _states(values, order, like=()):
-    solid = GradedHalfPlane(1.0, values["nu"], values["k"], 1.0)
-    Q_A = values["share"] * values["mu"]
-    loop = CoupledLoop(solid, PowerProfile(0.5, 2.0), 1.0, values["mu"], order=order)
-    return loop.run([(1.0, 0.0), *((1.0, way * Q_A) for way in WAY)], like)
-
-
-def _cycle(states):
-    return states[-1].dissipated_energy - states[WAY.index(1.0) + 1].dissipated_energy
-
-
-def elements(values: Row) -> Row:
-    """Errors of finite elements on their default mesh: p, q and slip in the worst state, energy of the cycle."""
-    scene = {"solid.E0": 210e9, "solid.k": values["k"], "solid.nu": values["nu"], "solid.y0_over_a0": 10.0}
-    scene |= {"indenter.R": 0.1, "load.P": 1e6, "load.mu": values["mu"], "load.amplitude": values["share"]}
-    start = time.process_time()
-    simulation = Simulation(MPI.COMM_SELF, make_scene(scene, base=None)).run_to_end()
-    seconds = time.process_time() - start
-    reference = StepFree(simulation, filled=True)
-    errors = compare(simulation.history, reference) | worst(simulation.history, reference)
-    return {name: abs(errors[name]) for name in ERRORS} | {"seconds": seconds}
+        simulation = Simulation(MPI.COMM_SELF, make_scene(BASE | values, base=None)).run_to_end()
+        solved = time.process_time()
+        reference = of_same_physics(simulation)
+    except (SceneError, SolveError, NoReference) as reason:
+        return {"why": str(reason)}
+    worst, own = worst_and_own(simulation.history, reference)
+    errors = compare(simulation.history, reference) | worst
+    row = {name: abs(errors[name]) for name in ERRORS} | {mine: own[name] for mine, name in zip(OWN, ERRORS)}
+    row |= dict(zip(MESH_FREE, (len(simulation.schedule), True)))
+    if isinstance(reference, StepFree):
+        row |= dict(zip(MESH_FREE, (len(reference.gaps), reference.lacks_energy)))
+    row |= dict(zip(SECONDS, (solved - start, time.process_time() - solved)))
+    checks = zigzags.checked(simulation)
+    row["zigzag"] = max(checks[name].value for name in ("pressure zigzags", "traction zigzags"))
+    return row | {"fails": ", ".join(name for name, check in checks.items() if not check.holds)}
 
 
 def table(values: list[Row], rows: list[Row]) -> str:
-    """Markdown: for every k the loops solved, largest differences of two orders, largest errors of finite elements."""
-    lines = ["| k | solved | p | q | c/a | energy | finite elements: p | q | slip | energy |", "|---" * 10 + "|"]
-    for k in K:
-        here = [(value["kind"], row) for value, row in zip(values, rows, strict=True) if value["k"] == k]
-        served, beside = ([r for kind, r in here if kind == one and "seconds" in r] for one in KINDS)
-        asked = sum(kind == KINDS[0] for kind, _ in here)
-        numbers = [max((row[name] for row in served), default=np.nan) for name in DIFFERENCES]
-        numbers += [max((row[name] for row in beside), default=np.nan) for name in ERRORS]
-        cells = [f"{number:.1e}" if np.isfinite(number) else "" for number in numbers]
-        lines.append("| " + " | ".join([f"{k:g}", f"{len(served)} of {asked}", *cells]) + " |")
-    return "\n".join(lines) + "\n"
+    """Markdown: for every k the largest errors of finite elements and of the reference, and seconds in the middle.
+
+    A table of the loops of which the reference has every state and the energy, and one of the others.
+    """
+    text = ""
+    for filled, title in ((False, "Every state without load steps"), (True, "Some states of the mesh-free solver")):
+        lines = [f"{title}:\n"]
+        lines.append("| k | loops | " + " | ".join((*LETTERS, *(f"own {one}" for one in LETTERS), *SECONDS)) + " |")
+        lines.append("|---" * (2 + len(ERRORS + OWN + SECONDS)) + "|")
+        for k in GRID["solid.k"]:
+            here = [row for value, row in zip(values, rows, strict=True) if value["solid.k"] == k]
+            found = [row for row in here if "why" not in row and any(row[name] for name in MESH_FREE) == filled]
+            numbers = [f"{max(row[name] for row in found):.1e}" for name in ERRORS + OWN if found]
+            numbers += [f"{np.median([row[name] for row in found]):.1f}" for name in SECONDS if found]
+            lines.append("| " + " | ".join([f"{k:g}", f"{len(found)} of {len(here)}", *numbers]) + " |")
+        text += "\n".join(lines) + "\n\n"
+    return text
 
 
 def main(arguments: list[str]):
@@ -124,21 +103,24 @@ def main(arguments: list[str]):
     if comm.rank == 0:
         values = [item.values for item in items]
         found = [row if FAILED not in row else {"why": row[FAILED]} for row in rows]
-        numbers = [{name: f"{x:.2e}" if isinstance(x, float) else x for name, x in row.items()} for row in found]
-        flat = [dict.fromkeys(COLUMNS, "") | value | row for value, row in zip(values, numbers, strict=True)]
-        write_table(given.output / "coupled_loops.csv", [{name: row[name] for name in COLUMNS} for row in flat])
+        write_table(given.output / "coupled_loops.csv", [_line(*pair) for pair in zip(values, found, strict=True)])
         write_text(given.page, table(values, found))
         say(f"written to {given.output}: coupled_loops.csv; {given.page}")
 
 
+def _line(values: Row, row: Row) -> Row:
+    named = {key.partition(".")[2]: value for key, value in values.items()}
+    named |= {name: f"{x:.2e}" if isinstance(x, float) else x for name, x in row.items()}
+    return dict.fromkeys(COLUMNS, "") | named
+
+
 def read(arguments: list[str]) -> tuple[Namespace, list[Item]]:
-    """The checked command line and its runs; SceneError where it is wrong."""
+    """The checked command line and its loops; SceneError where it is wrong."""
     page = "the table (default: DIR/coupled_loops.md)"
     parser = study_parser("coupled_loops", __doc__, "results/coupled_loops", page)
-    parser.add_argument("--only", nargs="+", default=KINDS, choices=KINDS, metavar="KIND", help=", ".join(KINDS))
     parser.add_argument("--stored", action="store_true", help="tables of what is solved already")
     given = parser.parse_args(arguments)
-    items = [Item(", ".join(f"{name} = {value}" for name, value in one.items()), one) for one in cases(given.only)]
+    items = [Item(", ".join(f"{name.partition('.')[2]} = {x}" for name, x in one.items()), one) for one in cases()]
     items = asked_for(given, items, KEPT)
     make_folders(given, "coupled_loops.md")
     return given, items

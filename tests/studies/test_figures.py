@@ -143,7 +143,6 @@ def test_every_figure_is_listed_with_a_picture():
         ("body_stress", ["absent"], "absent"),
         ("campaign", ["--drawn", "0"], "--drawn 0"),
         ("campaign", ["--stored"], "holds nothing that is solved"),
-        ("coupled_loops", ["--only", "nothing"], "nothing"),
         ("coupled_loops", ["--stored"], "holds nothing that is solved"),
     ],
 )
