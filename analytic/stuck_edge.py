@@ -48,6 +48,13 @@ class StuckEdge:
         """
         return self._phase(np.asarray(distance), advance, width) - self._phase(np.array([advance]), advance, width)
 
+    def touching(self, distance, width: float) -> np.ndarray:
+        """Theta, but for a constant, of the whole way of points that touch once the edge has come so far (n,).
+
+        width: of the contact before. Both are taken from the same place of the edge.
+        """
+        return self.oscillation * np.log(np.maximum(distance, CLOSEST * width) / (distance + width))
+
     def turned(self, r, angle):
         """The ratio ``r`` with its theta changed by ``angle``."""
         scale = sqrt(self.solid.alpha)

@@ -82,15 +82,13 @@ class EnteringPoints:
         self._start = {side: float(x) for side, x in zip(SIDES, saved["ratios"][2:])}
 
     def end(self):
-        """After the points have come to rest: anchor open ones beside an edge with the r of those inside.
+        """After the points have come to rest: anchor open ones beside an edge, in line with those inside.
 
-        Their own displacement has the error of the facet that the edge cuts. With it the next step would anchor them
-        out of line with their neighbours, and for k < 0 the traction would zigzag.
+        Their own displacement and clearance have the error of the facet that the edge cuts. With them the next step
+        would anchor points out of line with their neighbours, and the traction would zigzag.
         """
         before, after = self.iteration.before, self.iteration.after
         self._start = self.iteration.starts
-        if not self._approach.is_uncoupled:
-            return
         anchors = self._points.gathered(self._problem.memory.anchors())
         for side in SIDES:
             beyond = open_points(after.states, side)
@@ -98,12 +96,20 @@ class EnteringPoints:
             beyond = beyond[before.states[beyond] == OPEN]
             closed = before.clearance[beyond] - after.clearance[beyond]
             led, guides = np.split(np.arange(len(beyond))[: 2 * BESIDE], [BESIDE])
-            if len(guides) and np.all(closed[: 2 * BESIDE] > 0):
-                if before.states[inside] == OPEN and after.states[inside] == CLOSED:
-                    r = (anchors[inside] - before.s[inside]) / before.clearance[inside]
-                else:  # none has entered, or those that have slide: as the open ones further out
-                    r = np.mean((anchors[beyond[guides]] - before.s[beyond[guides]]) / closed[guides])
-                anchors[beyond[led]] = before.s[beyond[led]] + r * closed[led]
+            if not len(guides) or not np.all(closed[: 2 * BESIDE] > 0):
+                continue
+            if before.states[inside] == OPEN and after.states[inside] == CLOSED:
+                r = (anchors[inside] - before.s[inside]) / before.clearance[inside]
+            elif self._approach.is_uncoupled:  # none has entered, or those that have slide: as the ones further out
+                r = np.mean((anchors[beyond[guides]] - before.s[beyond[guides]]) / closed[guides])
+            else:
+                continue
+            led = beyond[led]
+            whole, rest = self._approach.beside(r, before, after, side, inside, led)
+            s = before.s[led] + whole * before.clearance[led] - rest * after.clearance[led]
+            # with coupling r is about right: further out their own displacement takes over
+            fading = 1.0 if self._approach.is_uncoupled else 1.0 - np.arange(len(led)) / len(led)
+            anchors[led] += fading * (s - anchors[led])
         self._put(anchors)
 
     def _surface(self, *local) -> Surface:

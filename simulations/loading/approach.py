@@ -79,6 +79,21 @@ class Approach:
                 r[passed] = edge.turned(r[passed], side * edge.angle(distance[passed], way.length, way.width))
         return np.where(before.states == OPEN, before.s + r * before.clearance, before.s)
 
+    def beside(self, r, before: Surface, after: Surface, side: int, inside, beyond):
+        """The r of points ``beyond`` an edge, from before the load step and from after it until they touch.
+
+        r: of the point ``inside``, from before the load step until it touched; all are indices.
+        """
+        edge = self._edge
+        way = Advance.of(self._x, before, after, side, edge.power) if edge else None
+        if edge is None or way is None or not way.length > 0:
+            return r, r
+        entered, distance = (side * (self._x[points] - way.start) for points in (inside, beyond))
+        known = edge.touching(entered, way.width)
+        whole = edge.touching(distance, way.width)
+        rest = edge.touching(distance - way.length, way.width + way.length)
+        return edge.turned(r, side * (whole - known)), edge.turned(r, side * (rest - known))
+
 
 class Ratio:
     """r of a point that an edge has just reached: it equals what is measured with it, by the secant method."""

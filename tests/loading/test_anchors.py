@@ -73,6 +73,32 @@ def test_ahead_of_a_stuck_edge_open_points_tell_where_those_passed_touched(k, nu
     assert np.any(np.abs(single - s[passed]) > 0.05 * np.abs(s[passed]))
 
 
+@pytest.mark.parametrize("k, nu", [(0.534, -0.19), (0.0, 0.0), (-0.5, 0.2)])
+def test_open_points_beside_a_stuck_edge_go_on_from_the_last_that_it_passed(k, nu, monkeypatch):
+    """How far they move until they touch, from before the load step and from after it, on the right and on the left."""
+    halfway = "simulations.loading.approach.edge_by_clearance"
+    monkeypatch.setattr(halfway, lambda x, surface, side, power: edge_of_contact(x, surface.states, side))
+    edge, start, end = StuckEdge(GradedHalfPlane(E0=1.0, nu=nu, k=k, y0=1.0)), 0.5125, 0.7125
+    power = (3 - k) / 2 + 1j * edge.oscillation
+
+    def to_touch(distance):
+        moved = (0.8 - 0.5j) * np.maximum(distance, 0.0) ** power
+        return moved * (np.abs(X) + start) ** (-1j * edge.oscillation)  # the contact's other edge stays
+
+    for side in (-1, 1):
+        whole, rest = to_touch(side * X - start), to_touch(side * X - end)
+        before, after = touching(start), touching(end)
+        before.clearance[:] = np.where(side * X > 0, whole.real, before.clearance)
+        after.clearance[:] = np.where(side * X > 0, rest.real, after.clearance)
+        inside = np.flatnonzero(side * X < end)[[-1 if side > 0 else 0]]
+        beyond = np.flatnonzero(side * X > end)
+        scale = side * np.sqrt(edge.solid.alpha)
+        r = scale * whole.imag[inside] / whole.real[inside]
+        found = approach(edge=edge).beside(r, before, after, side, inside, beyond)
+        for ratio, way in zip(found, (whole, rest)):
+            assert ratio == pytest.approx(scale * way.imag[beyond] / way.real[beyond], rel=1e-9)
+
+
 @pytest.mark.parametrize("side", [-1, 1])
 @pytest.mark.parametrize("edge", [0.501, 0.51, 0.524])
 def test_an_edge_is_known_within_its_facet(side, edge):
