@@ -84,9 +84,10 @@ class Approach:
 
         r: of the point ``inside``, from before the load step until it touched; all are indices.
         """
-        edge = self._edge
-        way = Advance.of(self._x, before, after, side, edge.power) if edge else None
-        if edge is None or way is None or not way.length > 0:
+        if not (edge := self._edge):
+            return r, r
+        way = Advance.of(self._x, before, after, side, edge.power)
+        if not way.length > 0:
             return r, r
         entered, distance = (side * (self._x[points] - way.start) for points in (inside, beyond))
         known = edge.touching(entered, way.width)

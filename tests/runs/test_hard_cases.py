@@ -117,7 +117,7 @@ def test_entering_points_are_anchored_where_the_edge_passed_them(monkeypatch):
 
 
 def test_points_that_the_next_load_step_reaches_are_in_line_with_those_passed(monkeypatch):
-    """An edge of contact sticks as it advances: without this each load step leaves a kink, and takes more iterations."""
+    """An edge of contact sticks as it advances: without this each load step leaves a kink."""
     stuck = {"solid__k": -0.3, "solid__nu": 0.0, "load__mu": 1.0, "load__amplitude": 0.3, "solver__increments": 6}
     stuck |= {"mesh__facet": 0.05, "mesh__edge_facet": 0.004, "mesh__first_layer": 0.004, "mesh__layer_growth": 1.5}
     assert zigzags(**stuck) < checks.ZIGZAGS / 2
