@@ -18,6 +18,7 @@ from ..loading.stepping import SolveError
 from ..output.files import write_table, write_text
 from ..runs import zigzags
 from ..runs.comparison import compare, worst_and_own
+from ..runs.mesh_free import MeshFree
 from ..runs.reference import NoReference, of_same_physics
 from ..runs.simulation import Simulation
 from ..runs.step_free import StepFree
@@ -51,9 +52,9 @@ def solve(values: Row) -> Row:
     """Row of one loop, or ``why`` there is none.
 
     Largest errors of p, q and slip over all states of the cycle, of c at its end and of its energy; what of these is
-    the reference's own; how many of its states, and whether its energy, are the mesh-free solver's; processor time of
-    the run, and of the reference beyond what the run had found for its mesh; the largest zigzag of p or q over its
-    range, and the checks of the run that do not hold.
+    the reference's own, 0 of a closed form; how many of its states, and whether its energy, are the mesh-free solver's;
+    processor time of the run, and of the reference beyond what the run had found for its mesh; the largest zigzag of p
+    or q over its range, and the checks of the run that do not hold.
     """
     start = time.process_time()
     try:
@@ -64,10 +65,11 @@ def solve(values: Row) -> Row:
         return {"why": str(reason)}
     worst, own = worst_and_own(simulation.history, reference)
     errors = compare(simulation.history, reference) | worst
-    row = {name: abs(errors[name]) for name in ERRORS} | {mine: own[name] for mine, name in zip(OWN, ERRORS)}
-    row |= dict(zip(MESH_FREE, (len(simulation.schedule), True)))
+    row = {name: abs(errors[name]) for name in ERRORS} | dict(zip(OWN, (own.get(name, 0.0) for name in ERRORS)))
+    mesh_free = (len(simulation.schedule), True) if isinstance(reference, MeshFree) else (0, False)
     if isinstance(reference, StepFree):
-        row |= dict(zip(MESH_FREE, (len(reference.gaps), reference.lacks_energy)))
+        mesh_free = len(reference.gaps), reference.lacks_energy
+    row |= dict(zip(MESH_FREE, mesh_free))
     row |= dict(zip(SECONDS, (solved - start, time.process_time() - solved)))
     checks = zigzags.checked(simulation)
     row["zigzag"] = max(checks[name].value for name in ("pressure zigzags", "traction zigzags"))

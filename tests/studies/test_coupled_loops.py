@@ -4,7 +4,7 @@ import pytest
 
 from simulations.scene import SceneError
 from simulations.studies import coupled_loops
-from simulations.studies.coupled_loops import ERRORS, GRID, OWN, SECONDS
+from simulations.studies.coupled_loops import ERRORS, GRID, MESH_FREE, OWN, SECONDS
 from simulations.studies.store import Store
 
 COARSE = {"mesh.edge_facet": 0.02, "mesh.facet": 0.1, "solver.increments": 2}
@@ -35,6 +35,12 @@ def test_one_loop_with_states_of_the_mesh_free_solver():
     row = coupled_loops.solve(loop(0.3, 0.6, 0.0, -0.3))
     assert row["mesh_free_states"] > 0
     assert all(0 < row[name] < 0.3 for name in ERRORS + OWN)
+
+
+def test_at_the_holl_ratio_the_closed_form_is_exact():
+    row = coupled_loops.solve(loop(0.3, 0.6, 0.4, 0.5))
+    assert not any(row[name] for name in (*OWN, *MESH_FREE))
+    assert all(0 < row[name] < 0.1 for name in ERRORS)
 
 
 def test_one_loop_that_is_not_solved():
