@@ -11,7 +11,7 @@ from .exponents import oscillation
 from .panels import gauss
 from .pressed import PressedWithFriction
 
-BEYOND = 0.3  # logarithm of the load over which the motion is continued to the turn
+BEYOND = 0.3  # logarithm of the load over which the motion is continued to the turn, within the first part
 LOAD_NODES = 24  # of the integral over the loads
 SMALL_K, NODES = 0.5, 24  # |k| below which ln Γ(z - k) - ln Γ(z) is integrated, as it would cancel; nodes for that
 
@@ -53,7 +53,7 @@ class FrictionalWork:
             high = min(high, load)
             if low == 0:  # up to the first known state as a parabola over the logarithm of the load
                 low = min(branch.first, load)
-                u = np.array([0.0, BEYOND / 2, BEYOND])
+                u = np.array([0.0, 0.5, 1.0]) * min(BEYOND, np.log(branch.parts[1] / branch.first))
                 parabola = np.polyfit(u, function(branch.variable(branch.first * np.exp(u))), 2)
                 u = np.log(low / branch.first)
                 total += low**3 / 3 * (parabola @ [u**2 - 2 * u / 3 + 2 / 9, u - 1 / 3, 1])

@@ -1,5 +1,6 @@
 """Coupled loops without load steps: closed forms where they are exact, conditions and balances elsewhere."""
 
+from dataclasses import replace
 from functools import lru_cache
 from math import gamma
 
@@ -137,6 +138,19 @@ def test_energy_without_states_just_after_a_turn(monkeypatch):
     usual = [state.dissipated_energy for state in solver.run(path)]
     monkeypatch.setattr("analytic.coupled.branch.FIRST", 0.2)
     assert [state.dissipated_energy for state in solver.run(path)] == pytest.approx(usual, rel=5e-5)
+
+
+def test_energy_where_stick_soon_passes_an_earlier_turn():
+    """Only up to there the motion is smooth: continued to the turn by what lies beyond, the energy was off by 13 %.
+
+    Another order of the basis begins where the first known load of this one is not near any more.
+    """
+    solver = CoupledLoop(solid_of(0.5, 0.0), PROFILE, P, 1.0)
+    path = loads(0.3 * P, *np.linspace(0, 1, 7)[1:], *np.linspace(1, -1, 13)[1:])
+    states = solver.where_known(path)
+    known = [state for state in states if not isinstance(state, ContactNotConverged)]
+    other = replace(solver, order=solver.order - 2).where_known(path, known)
+    assert other[-1].dissipated_energy == pytest.approx(states[-1].dissipated_energy, rel=5e-3)
 
 
 def test_pressure_in_closed_form():
