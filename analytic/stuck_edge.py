@@ -53,7 +53,8 @@ class StuckEdge:
 
         width: of the contact before. Both are taken from the same place of the edge.
         """
-        return self.oscillation * np.log(np.maximum(distance, CLOSEST * width) / (distance + width))
+        reached = np.maximum(distance, CLOSEST * width)
+        return self._phase(reached, reached, width)
 
     def turned(self, r, angle):
         """The ratio ``r`` with its theta changed by ``angle``."""
