@@ -15,7 +15,7 @@ from running import COARSE, ROOT
 
 import simulations
 from simulations import ChecksWarning, SceneError, make_scene, parse, run, sweep
-from simulations.runs.comparison import worst
+from simulations.runs.comparison import compare_all
 from simulations.runs.reference import closed_form
 from simulations.runs.report_data import quantities
 from simulations.scene import SceneError as OneError
@@ -108,7 +108,7 @@ def test_no_slip_to_compare_with_is_no_warning_of_numpy(monkeypatch):
     monkeypatch.setattr(exact, "slip", lambda entry, x: np.zeros_like(x))
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        found = worst(simulation.history, exact)
+        found = compare_all(simulation.history, exact).worst
     assert np.isnan(found["slip_l2"]) and found["pressure_l2"] < 1e-2
 
 

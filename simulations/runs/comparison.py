@@ -1,7 +1,7 @@
 """A run beside a reference: relative errors where it has the same physics, differences otherwise."""
 
 from collections.abc import Callable, Sequence
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -142,15 +142,39 @@ def _deviations(entry, computed: Callable[[str], np.ndarray], reference) -> dict
     return {f"{name}_l2": relative_l2(weights[name], computed(name)[compared], exact[name]) for name in weights}
 
 
-def compare(history: History, reference: Reference) -> dict[str, float]:
-    """Deviations of a run: fields, a and c at its last state, energy of its last cycle (signed where scalar).
+class Deviations(NamedTuple):
+    """Relative deviations of a run from a reference.
 
-    What is known of the reference's own error is added.
+    last: fields, a and c of its last state, and the energy of its last cycle (signed where scalar); worst: the largest
+    of the fields over every state of the last cycle, or of the run where there is none; own: what of these is the
+    reference's own, the largest, {} of an exact one.
     """
-    last, own = history.entries[-1], _own_of_numbers(history.entries[-1], reference)
+
+    last: dict[str, float]
+    worst: dict[str, float]
+    own: dict[str, float]
+
+
+def compare_all(history: History, reference: Reference) -> Deviations:
+    """Those of all states, each compared once. What is known of the reference's own error is added."""
+    entries, coarser = all_states(history), reference.coarser
+    own = [apart(entry, coarser, reference) if coarser else {} for entry in entries]
+    states = [compare_state(entry, reference, mine) for entry, mine in zip(entries, own)]
+    of_numbers = _own_of_numbers(history.entries[-1], reference)
+    last = states[-1] | _numbers_off(history, reference, of_numbers)
+    return Deviations(last, _largest(states), _largest(own) | of_numbers)
+
+
+def compare(history: History, reference: Reference) -> dict[str, float]:
+    """``last`` of ``compare_all`` alone."""
+    last = history.entries[-1]
+    return compare_state(last, reference) | _numbers_off(history, reference, _own_of_numbers(last, reference))
+
+
+def _numbers_off(history: History, reference: Reference, own: dict[str, float]) -> dict[str, float]:
+    last = history.entries[-1]
     found = {"a": last.a, "c": last.c, "dissipated_energy": history.dissipated_energy}
-    exact = numbers(last, reference)
-    return compare_state(last, reference) | {name: off(found[name], exact[name], own.get(name, 0.0)) for name in exact}
+    return {name: off(found[name], exact, own.get(name, 0.0)) for name, exact in numbers(last, reference).items()}
 
 
 def off(computed: float, exact: float, own: float) -> float:
@@ -189,24 +213,6 @@ def has_friction(entry: Entry, reference: Reference) -> bool:
     return bool(np.abs(reference.traction(entry, x)).max() > ROUND_OFF * reference.pressure(entry, x).max())
 
 
-def own_errors(history: History, reference: Reference) -> dict[str, float]:
-    """What of the errors of ``compare`` and ``worst`` is the reference's own, the largest; {} of an exact one."""
-    return worst_and_own(history, reference)[1]
-
-
-def worst_and_own(history: History, reference: Reference) -> tuple[dict[str, float], dict[str, float]]:
-    """``worst`` and ``own_errors`` in one pass over the states."""
-    entries, coarser = all_states(history), reference.coarser
-    own = [apart(entry, coarser, reference) if coarser else {} for entry in entries]
-    states = [compare_state(entry, reference, mine) for entry, mine in zip(entries, own)]
-    return _largest(states), _largest(own) | _own_of_numbers(history.entries[-1], reference)
-
-
 def _largest(states: list[dict[str, float]]) -> dict[str, float]:
     """Of every quantity that the last state has; nan where no state has a number."""
     return {name: float(np.fmax.reduce([state.get(name, np.nan) for state in states])) for name in states[-1]}
-
-
-def worst(history: History, reference: Reference) -> dict[str, float]:
-    """The largest field deviations over every state of the last cycle, or of the run where there is none."""
-    return worst_and_own(history, reference)[0]

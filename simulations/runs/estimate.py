@@ -12,7 +12,7 @@ from ..loading.stepping import SolveError
 from ..scene import Scene, SceneError, accuracy, make_scene
 from ..scene.effects import Effects
 from .checks import Check
-from .comparison import QUANTITIES, OfStates, compare, of_history, worst
+from .comparison import QUANTITIES, OfStates, compare_all, of_history
 from .coupled_loop import serves
 from .history import Entry, History
 from .report_data import Comparison
@@ -174,7 +174,7 @@ def _scaled(factor: float, history: History, finer: OfStates) -> Errors:
     """How far ``history`` is off what is ``finer``, times ``factor``, as an estimate."""
     last, worst_state = (
         {name: factor * abs(error) for name, error in found.items()}
-        for found in (compare(history, finer), worst(history, finer))
+        for found in compare_all(history, finer)[:2]
     )
     return Errors(last, worst_state, True)
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from .checks import ERRORS
 from .closed_forms import Springs, StretchedForm
-from .comparison import NoReference, Reference, own_errors
+from .comparison import NoReference, Reference, compare_all
 from .coupled_loop import grades, serves
 from .mesh_free import FEWER_NODES, FINER, MeshFree, Tell, steps_for_one
 from .simulation import Simulation
@@ -102,7 +102,7 @@ def _mesh_free(simulation, tell) -> MeshFree:
 
 def _excess(simulation, reference) -> float:
     """Largest of a reference's own errors, over what a run's may be."""
-    own = own_errors(simulation.history, reference)
+    own = compare_all(simulation.history, reference).own
     return np.nanmax([error / ERRORS[name] for name, error in own.items() if name in ERRORS and name != "c"])
 
 

@@ -67,13 +67,13 @@ def compared(
     simulation: Simulation, other: comparison.Reference, words: str = "", without: tuple[str, ...] = ()
 ) -> Comparison:
     """A finished run beside another solution; words and without: of the ``Comparison``."""
-    deviations = comparison.compare(simulation.history, other)
+    last, worst, own = comparison.compare_all(simulation.history, other)
     values, mine = _values(simulation, other), quantities(simulation)
     coarser = _values(simulation, other.coarser) if other.coarser else values
     for name, value in values.items():
-        if name not in deviations:
-            deviations[name] = comparison.off(mine[name], value, comparison.own_of_number(value, coarser[name]))
-    return Comparison(other, words, values, deviations, *comparison.worst_and_own(simulation.history, other), without)
+        if name not in last:
+            last[name] = comparison.off(mine[name], value, comparison.own_of_number(value, coarser[name]))
+    return Comparison(other, words, values, last, worst, own, without)
 
 
 def _values(simulation: Simulation, other: comparison.Reference) -> dict[str, float]:

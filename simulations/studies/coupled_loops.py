@@ -17,7 +17,7 @@ from ..command.command import comm, on_root, run, say
 from ..loading.stepping import SolveError
 from ..output.files import write_table, write_text
 from ..runs import zigzags
-from ..runs.comparison import compare, worst_and_own
+from ..runs.comparison import compare_all
 from ..runs.mesh_free import MeshFree
 from ..runs.reference import NoReference, of_same_physics
 from ..runs.simulation import Simulation
@@ -63,8 +63,8 @@ def solve(values: Row) -> Row:
         reference = of_same_physics(simulation)
     except (SceneError, SolveError, NoReference) as reason:
         return {"why": str(reason)}
-    worst, own = worst_and_own(simulation.history, reference)
-    errors = compare(simulation.history, reference) | worst
+    last, worst, own = compare_all(simulation.history, reference)
+    errors = last | worst
     row = {name: abs(errors[name]) for name in ERRORS} | dict(zip(OWN, (own.get(name, 0.0) for name in ERRORS)))
     mesh_free = (len(simulation.schedule), True) if isinstance(reference, MeshFree) else (0, False)
     if isinstance(reference, StepFree):

@@ -21,7 +21,7 @@ from ..loading.stepping import SolveError
 from ..output.files import write_table, write_text
 from ..runs import critical_friction, zigzags
 from ..runs.checks import LARGE, Check, drift
-from ..runs.comparison import compare, worst_and_own
+from ..runs.comparison import compare_all
 from ..runs.energy import EnergyMeter, worst_defect
 from ..runs.reference import NoReference, of_same_physics
 from ..runs.simulation import Simulation
@@ -148,14 +148,12 @@ def _told(values: dict[str, float], checks: Iterable[Check]) -> str:
 
 def _errors(simulation: Simulation, every_state: bool) -> tuple[dict[str, float], dict[str, Check]]:
     """Of the last state, or the largest of all states of the last cycle, and their checks; none without reference."""
-    history = simulation.history
     try:
         reference = of_same_physics(simulation)
     except NoReference:
         return {}, {}
-    found = compare(history, reference)
-    largest, own = worst_and_own(history, reference)
-    found |= largest if every_state else {}
+    last, worst, own = compare_all(simulation.history, reference)
+    found = last | worst if every_state else last
     return found, zigzags.checked_errors(simulation, reference, found, own)
 
 

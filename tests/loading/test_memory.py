@@ -14,7 +14,7 @@ from simulations.loading import anchors, stopped_points
 from simulations.loading.stepping import LoadStepping
 from simulations.runs import checks, comparison
 from simulations.runs.closed_forms import Springs
-from simulations.runs.comparison import compare, compare_state, of_history, own_errors, relative_l2
+from simulations.runs.comparison import compare, compare_all, compare_state, of_history, relative_l2
 from simulations.runs.history import all_states
 from simulations.runs.mesh_free import MeshFree
 from simulations.runs.reference import describe, of_same_physics
@@ -142,7 +142,7 @@ def test_the_mesh_free_solver_states_its_error_where_an_edge_sticks():
     """It anchors points where the step began; the truth is that of many load steps."""
     few = run(STRONG, 2, **{"mesh.edge_facet": 0.02})
     reference, last = MeshFree(few, estimated=True), few.history.entries[-1]
-    error, own = compare_state(last, reference), own_errors(few.history, reference)
+    error, own = compare_state(last, reference), compare_all(few.history, reference).own
     many = MeshFree(few, nodes=(300,), finer=8)
     x, w = last.surface.x, last.surface.weight
     true = relative_l2(w, reference.traction(last, x), many.traction(last, x))
@@ -153,7 +153,7 @@ def test_the_mesh_free_solver_states_its_error_where_an_edge_sticks():
     assert any(own.get(name, 0.0) > limit for name, limit in checks.ERRORS.items())
     finer = of_same_physics(few)
     assert isinstance(finer, MeshFree) and finer.finer > reference.finer
-    assert own_errors(few.history, finer)["traction_l2"] < own["traction_l2"] / 2
+    assert compare_all(few.history, finer).own["traction_l2"] < own["traction_l2"] / 2
     assert f"{finer.finer} load steps for ten times the distance" in describe(finer, few)
 
 

@@ -13,7 +13,7 @@ from solving import deviations
 from simulations import run, sweep
 from simulations.runs import estimate
 from simulations.runs.checks import ChecksWarning
-from simulations.runs.comparison import compare, worst
+from simulations.runs.comparison import compare_all
 from simulations.runs.reference import of_same_physics
 from simulations.runs.simulation import Simulation
 from simulations.scene import DEFAULT_SCENE, SceneError, accuracy, parse
@@ -37,8 +37,8 @@ def scene_with(sets, text=DEFAULT_SCENE):
 def largest_of_all_states(simulation) -> float:
     """What ``--accuracy`` promises: fields of every state of the cycle; a, c and energy at its end."""
     exact = of_same_physics(simulation)
-    errors = compare(simulation.history, exact), worst(simulation.history, exact)
-    return max(abs(error) for found in errors for error in found.values())
+    last, worst, _ = compare_all(simulation.history, exact)
+    return max(map(abs, (*last.values(), *worst.values())))
 
 
 def elsewhere(wanted, k, nu, mu, amplitude, coupling="false"):

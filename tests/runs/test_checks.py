@@ -13,7 +13,7 @@ from solving import coarse_simulation, solved
 from simulations.output.table import table
 from simulations.runs import checks, report_data
 from simulations.runs.closed_forms import Springs
-from simulations.runs.comparison import worst
+from simulations.runs.comparison import compare_all
 from simulations.runs.energy import EnergyMeter, worst_defect
 from simulations.runs.mesh_free import MeshFree
 
@@ -134,7 +134,7 @@ def test_on_degree_1_errors_are_those_of_the_layers():
     def error(**changes):
         simulation = solved(**degree_1 | changes)
         springs = Springs(simulation.contact, simulation.mu, simulation.schedule)
-        return worst(simulation.history, springs)["traction_l2"]
+        return compare_all(simulation.history, springs).worst["traction_l2"]
 
     as_it_is = error(mesh__layer_growth=1.6)
     assert error(mesh__layer_growth=1.6, mesh__facet=0.025) > 0.9 * as_it_is

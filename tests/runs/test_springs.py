@@ -5,7 +5,7 @@ from mpi4py import MPI
 from solving import coarse_simulation
 
 from simulations.runs.closed_forms import Springs
-from simulations.runs.comparison import apart, compare_state, numbers, own_errors, worst
+from simulations.runs.comparison import apart, compare_all, compare_state, numbers
 from simulations.runs.mesh_free import steps_for_one
 from simulations.runs.reference import closed_form, of_same_physics
 from simulations.runs.report_data import compared, quantities
@@ -50,7 +50,7 @@ def test_the_default_mesh_is_accurate_at_every_load_step(k, amplitude, allowed):
     scene = parse(DEFAULT_SCENE, tuple(f"{key}={value}" for key, value in sets.items()))
     simulation = Simulation(MPI.COMM_SELF, scene).run_to_end()
     springs = Springs(simulation.contact, simulation.mu, simulation.schedule)
-    assert worst(simulation.history, springs)["traction_l2"] < allowed
+    assert compare_all(simulation.history, springs).worst["traction_l2"] < allowed
 
 
 @pytest.mark.parametrize(
@@ -110,7 +110,7 @@ def test_error_of_the_reference_is_stated():
     assert steps_for_one(simulation) == 8
     assert 0.5 < own["traction_l2"] / true["traction_l2"] < 3.0
     assert compare_state(last, reference)["traction_l2"] > own["traction_l2"] > 0.01
-    c, own_c = numbers(last, reference)["c"], own_errors(simulation.history, reference)["c"]
+    c, own_c = numbers(last, reference)["c"], compare_all(simulation.history, reference).own["c"]
     assert 0.01 < own_c and 0.5 < own_c / abs(c / numbers(last, exact)["c"] - 1) < 3.0
     found = compared(simulation, reference)
     assert found.deviations["c"] == pytest.approx(last.c / c - 1 + own_c) and last.c > c

@@ -7,7 +7,7 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from ...runs import reference
-from ...runs.comparison import compare, worst
+from ...runs.comparison import compare_all
 from ...runs.simulation import Simulation
 from ...scene import parse
 from ...solvers.bulk_solver import bulk_solver
@@ -38,16 +38,16 @@ def measure(case: Case, comm=MPI.COMM_WORLD) -> dict:
     row |= {"factorisation_cpu_s": _factorisation(body.constrained_stiffness), "memory_gib": memory}
     if comm.rank == 0:
         exact = reference.of_same_physics(simulation)
-        row |= errors(compare(simulation.history, exact))
-        of_states = worst(simulation.history, exact)
+        last, of_states, _ = compare_all(simulation.history, exact)
+        row |= errors(last)
         row["largest_of_states"] = max(row["largest"], *of_states.values())
         row |= {f"{name.removesuffix('_l2')}_of_states": value for name, value in of_states.items()}
     return row
 
 
-def errors(deviations: dict[str, float]) -> dict[str, float]:
+def errors(last: dict[str, float]) -> dict[str, float]:
     """Absolute values by quantity, and the largest."""
-    found = {name.removesuffix("_l2"): abs(value) for name, value in deviations.items()}
+    found = {name.removesuffix("_l2"): abs(value) for name, value in last.items()}
     return {name: found[name] for name in QUANTITIES} | {"largest": max(found[name] for name in QUANTITIES)}
 
 
