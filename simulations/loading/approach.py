@@ -9,6 +9,7 @@ the distance from it as ``StuckEdge`` tells: one r for all would leave an error 
 """
 
 from dataclasses import dataclass
+from functools import lru_cache, partial
 
 import numpy as np
 
@@ -32,6 +33,8 @@ class Approach:
 
     def __init__(self, x: np.ndarray, edge: StuckEdge | None = None, is_uncoupled: bool = False):
         self._x, self._edge, self.is_uncoupled = x, edge, is_uncoupled
+        if edge:  # asked for the same two surfaces by all three methods below
+            self._advance = lru_cache(maxsize=len(SIDES))(partial(Advance.of, x, power=edge.power))
         self.ratios = {side: Ratio() for side in SIDES}
 
     def begin(self):
@@ -56,7 +59,7 @@ class Approach:
             closed = b.clearance - a.clearance
             if np.all(closed > 0):
                 r = (a.s - b.s) / closed
-                way = Advance.of(x, before, after, side, edge.power) if edge else None
+                way = self._advance(before, after, side) if edge else None
                 if way and way.length > 0:  # it may be 0 where only one of a node's points has entered
                     distance = side * (x[beyond[first:end]] - way.start)
                     r = edge.turned(r, -side * edge.angle(distance, way.length, way.width))
@@ -72,7 +75,7 @@ class Approach:
         middle = x[contact].mean() if len(contact) else x[np.argmin(before.clearance)]
         r = np.where(x < middle, self.ratios[-1].value, self.ratios[1].value)
         for side in SIDES if edge and np.any(after.states != OPEN) else ():
-            way = Advance.of(x, before, after, side, edge.power)
+            way = self._advance(before, after, side)
             distance = side * (x - way.start)
             passed = (distance > 0) & (distance < way.length)
             if np.any(passed):
@@ -86,7 +89,7 @@ class Approach:
         """
         if not (edge := self._edge):
             return r, r
-        way = Advance.of(self._x, before, after, side, edge.power)
+        way = self._advance(before, after, side)
         if not way.length > 0:
             return r, r
         entered, distance = (side * (self._x[points] - way.start) for points in (inside, beyond))

@@ -10,7 +10,7 @@ NEXT, FURTHER = 1, 3  # open nodes, from 0, through which the edge is sought; th
 BESIDE = 8  # points beside the edge, whose displacement has the error of the facet that it cuts
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Surface:
     """Of the surface points sorted by x (n,): contact states, anchors (s where a point is open), clearances."""
 
