@@ -41,7 +41,7 @@ class ContactTerms:
 
         self.body: ElasticBody = body
         self.directions = tuple(sorted(law.tractions))
-        self.held = held
+        self.held, self._points = held, len(points.dofs)
         self.pressure = PointExpression(points, law.tractions[Y]) if Y in law.tractions else None
         self.forces_form = fem.form(forces)
         self.forces, self._loads = forces, weak_form.resultants(law, ds, body.symmetry_factor)
@@ -123,7 +123,7 @@ class ContactTerms:
 
     def trials(self) -> np.ndarray:
         """Trial traction and pressure (2, m) of this rank's surface points, linear in the displacements; 0 for none."""
-        zero = np.zeros_like(self._state.values())
+        zero = np.zeros(self._points)
         return np.array([self._trials[i].values() if i in self._trials else zero for i in (X, Y)])
 
     def round_off(self) -> float:
