@@ -38,6 +38,13 @@ def limit_stepping(monkeypatch, **options):
     monkeypatch.setattr("simulations.loading.stepping.Options", partial(Options, **options))
 
 
+def watched(monkeypatch, owner, name: str) -> list[tuple]:
+    """The arguments of every call of a function of a module or class from now on."""
+    calls, function = [], getattr(owner, name)
+    monkeypatch.setattr(owner, name, lambda *arguments: calls.append(arguments) or function(*arguments))
+    return calls
+
+
 def deviations(simulation: Simulation) -> dict[str, float]:
     """Deviations of a finished simulation from its closed forms."""
     return compare(simulation.history, closed_form(simulation))

@@ -15,7 +15,6 @@ from ..bulk_solver import bulk_solver
 
 NESTED_DISSECTION = {"mat_mumps_icntl_7": 5}  # METIS: with a Schur complement it beats QAMD at every size measured
 _petsc = ctypes.CDLL(PETSc.__file__)  # symbols of the PETSc library that petsc4py itself is linked to
-factorisations = 0  # made by this process so far
 
 
 class PartialFactor:
@@ -30,8 +29,6 @@ class PartialFactor:
         self._matrix.setOption(PETSc.Mat.Option.SPD, definite)
         self._ksp = bulk_solver(self._matrix, "cholesky", NESTED_DISSECTION, lambda pc: _keep(pc, kept))
         self.schur = _schur_complement(self._ksp.pc.getFactorMatrix(), len(kept))
-        global factorisations
-        factorisations += 1
 
     def solve(self, b: np.ndarray) -> np.ndarray:
         """Solution (n,) of the whole system, the kept unknowns included."""

@@ -8,8 +8,6 @@ rows to be replaced become many, the inverse itself takes up those replaced so f
 it: after a turn of the load all points stick again, as they did then.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 from scipy.linalg import blas, lapack
 from scipy.sparse import csr_matrix
@@ -22,15 +20,6 @@ FEWER = 0.5  # if that leaves less than this share of them
 REFINED = 1e-10, 1e-7  # residual of a step, over the load and over what it is to balance, beyond which it is refined
 SOLVED = 1e-6  # relative residual of a step that is worth taking
 PROPORTIONAL = 1e-13  # relative: rows this close to proportional are
-
-
-@dataclass
-class Counts:
-    """What was done so far: matrices inverted, rows replaced, and rows that needed C."""
-
-    inverses: int = 0
-    rows: int = 0
-    products: int = 0
 
 
 class DenseTangent:
@@ -52,7 +41,6 @@ class DenseTangent:
         self._rows = self._pressing = np.zeros(0, dtype=int)  # rows replaced, and those of their nodes' pressure
         self._columns = self._lu = self._pivots = np.zeros((0, 0))
         self._known: dict[int, tuple[np.ndarray, np.ndarray]] = {}  # rows of T and of J, by their number
-        self.counts = Counts()
 
     def factorise(self, tangent: csr_matrix):
         """Prepare ``solve`` for T (mn, r)."""
@@ -193,7 +181,6 @@ class DenseTangent:
         chosen = tangent[rows]
         full = np.hstack([self._matrix.times(chosen), -(chosen @ self._translations)])
         full[np.arange(len(rows)), rows] += 1.0
-        self.counts.products += len(rows)
         return full
 
     def _invert(self, tangent, free):
@@ -202,7 +189,6 @@ class DenseTangent:
         matrix = np.vstack([self._full_rows(tangent, np.flatnonzero(~free)), self._sums])
         self._inverse, self._base_singular = _inverse(matrix, active)
         self._base = None if self._base_singular else tangent
-        self.counts.inverses += 1
 
     def _replace(self, free, sliding, ratio, rest):
         """Factorise the system that the changed rows' right-hand sides satisfy."""
@@ -217,7 +203,6 @@ class DenseTangent:
             self._columns = self._inverse[:, self._rows]
             self._lu, self._pivots, singular = lapack.dgetrf(self._new_rows(self._columns), overwrite_a=True)
             self._singular = self._singular or bool(singular)
-            self.counts.rows += len(self._rows)
 
     def _new_rows(self, x):
         """The replaced rows of J times ``x`` (mn + m, ...); a sliding one less its ratio times that of the pressure."""
