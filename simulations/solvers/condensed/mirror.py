@@ -44,6 +44,10 @@ class Part:
         part = self.matrix(len(forces)).T @ forces
         return part / 2.0 if self.is_half else part
 
+    def own(self, displacements: np.ndarray) -> np.ndarray:
+        """What of displacements (N,) of the body, or of other values at its dofs, is this part's (h,)."""
+        return self.restrict(displacements) * np.where(self.on_axis, 2.0, 1.0)
+
     def matrix(self, size: int) -> csr_matrix:
         """Displacements of the body from those of this part, (size, h)."""
         h = np.arange(len(self.dofs))
@@ -117,5 +121,5 @@ def _is_mirror_image(body, half, size):
     displacement.array[:] = (extend @ np.cos(np.arange(len(half.dofs))))[first:last]
     body.stiffness.mult(displacement, force)
     force = gathered(body.mesh.comm, force.array_r)
-    symmetric = extend @ (half.restrict(force) * np.where(half.on_axis, 2.0, 1.0))
+    symmetric = extend @ half.own(force)
     return np.abs(force - symmetric).max() < 1e-9 * np.abs(force).max()

@@ -83,8 +83,7 @@ class SurfaceCompliance:
         strip, right = self.strip_values(), self._lifting()
         u = np.zeros(len(right))
         for part, half in self._mine:
-            among = part.among(self.strip)
-            own = among.restrict(strip) * np.where(among.on_axis, 2.0, 1.0)  # ``restrict`` halves forces on the axis
+            own = part.among(self.strip).own(strip)
             u += part.matrix(len(u)) @ half.complete(part.restrict(right), own)
         if self.comm.size > 1:
             self.comm.Allreduce(MPI.IN_PLACE, u)
