@@ -24,7 +24,7 @@ from ..runs.simulation import Simulation
 from ..runs.step_free import StepFree
 from ..scene import SceneError, make_scene
 from .commandline import asked_for, make_folders, study_parser
-from .engine import FAILED, Item, run_all, workers
+from .engine import FAILED, Item, run_on
 from .store import Store
 
 KINDS = ("uncoupled loop", "coupled loop", "path of P and Q", "nested loops", "friction from first contact")
@@ -202,15 +202,14 @@ def draw(folder, found: list[dict]):
 def main(arguments: list[str]):
     """Solve what is not yet solved, then write table and figure of all."""
     given, items = on_root(lambda: read(arguments))
-    with workers(comm) as executor:
-        if comm.rank == 0:
-            found = run_all(items, solve, Store(given.output / KEPT), executor, say)
-    if comm.rank == 0:
-        scenes = {item.name: item.values for item in items}
-        write_table(given.output / "campaign.csv", flat(scenes, found))
-        write_text(given.page, table(scenes, found))
-        draw(given.output, found)
-        say(f"written to {given.output}: campaign.csv, campaign.png; {given.page}")
+    found = run_on(comm, items, solve, Store(given.output / KEPT), say)
+    if found is None:
+        return
+    scenes = {item.name: item.values for item in items}
+    write_table(given.output / "campaign.csv", flat(scenes, found))
+    write_text(given.page, table(scenes, found))
+    draw(given.output, found)
+    say(f"written to {given.output}: campaign.csv, campaign.png; {given.page}")
 
 
 def read(arguments: list[str]) -> tuple[Namespace, list[Item]]:

@@ -5,7 +5,6 @@ from argparse import Namespace
 from ..command.command import comm, on_root, run, say
 from ..output.files import write_text
 from .commandline import make_folders, study_parser
-from .engine import workers
 from .paper.claim import minus_signs, table
 from .paper.claims_coupling import AGREES_WELL, coupling_claims, cycle_claims, difference, difference_table, differences
 from .paper.claims_theory import theory_claims
@@ -46,9 +45,7 @@ def main(arguments: list[str]):
     """Check every sentence, print the table, and write it as a page where one is asked for."""
     page = on_root(lambda: read(arguments)).page
     say("closed forms and mesh-free loops")
-    with workers(comm) as executor:
-        found = differences(executor) if comm.rank == 0 else []
-    found = comm.bcast(found)
+    found = differences(comm)
     say("finite elements at the paper's pairs")
     coupled = coupling_claims(Runs(comm), found)
     if comm.rank == 0:

@@ -24,7 +24,7 @@ from ..runs.simulation import Simulation
 from ..runs.step_free import StepFree
 from ..scene import SceneError, make_scene
 from .commandline import asked_for, make_folders, study_parser
-from .engine import FAILED, Item, Row, run_all, workers
+from .engine import FAILED, Item, Row, run_on
 from .store import Store
 
 GRID = {
@@ -99,15 +99,14 @@ def table(values: list[Row], rows: list[Row]) -> str:
 def main(arguments: list[str]):
     """Solve what is not yet solved, then write the tables."""
     given, items = on_root(lambda: read(arguments))
-    with workers(comm) as executor:
-        if comm.rank == 0:
-            rows = run_all(items, solve, Store(given.output / KEPT), executor, say)
-    if comm.rank == 0:
-        values = [item.values for item in items]
-        found = [row if FAILED not in row else {"why": row[FAILED]} for row in rows]
-        write_table(given.output / "coupled_loops.csv", [_line(*pair) for pair in zip(values, found, strict=True)])
-        write_text(given.page, table(values, found))
-        say(f"written to {given.output}: coupled_loops.csv; {given.page}")
+    rows = run_on(comm, items, solve, Store(given.output / KEPT), say)
+    if rows is None:
+        return
+    values = [item.values for item in items]
+    found = [row if FAILED not in row else {"why": row[FAILED]} for row in rows]
+    write_table(given.output / "coupled_loops.csv", [_line(*pair) for pair in zip(values, found, strict=True)])
+    write_text(given.page, table(values, found))
+    say(f"written to {given.output}: coupled_loops.csv; {given.page}")
 
 
 def _line(values: Row, row: Row) -> Row:

@@ -16,7 +16,7 @@ from ..command.command import comm, on_root, run, say
 from ..output.files import write_table
 from ..output.style import RED, save, style
 from .commandline import read_map
-from .engine import FAILED, Item, Row, run_all, workers
+from .engine import FAILED, Item, Row, run_on
 from .store import Store
 
 FRICTION, AMPLITUDE = (0.1, 0.3, 0.6), 0.9
@@ -35,16 +35,15 @@ def main(arguments: list[str]):
     k, nu = (np.linspace(*ends, count) for ends, count in zip((K, NU), given.values, strict=True))
     points = [_point(a, b, mu) for mu in FRICTION for a in k for b in nu]
     items = [Item(f"k = {a:g}, nu = {b:g}, mu = {mu:g}", {"k": a, "nu": b, "mu": mu}) for a, b, mu in points]
-    with workers(comm) as executor:
-        if comm.rank == 0:
-            rows = run_all(items, _row, Store(given.output / "loops.jsonl"), executor, say)
-    if comm.rank == 0:
-        missing = dict.fromkeys(SHOWN, np.nan)
-        found = {p: missing if FAILED in row else row for p, row in zip(points, rows, strict=True)}
-        table = [dict(zip(COLUMNS, [*p, *(f"{row[name]:.6g}" for name in SHOWN)])) for p, row in found.items()]
-        write_table(given.output / "coupling.csv", table)
-        _draw(given.output, found, k, nu)
-        say(f"figure and table in {given.output}")
+    rows = run_on(comm, items, _row, Store(given.output / "loops.jsonl"), say)
+    if rows is None:
+        return
+    missing = dict.fromkeys(SHOWN, np.nan)
+    found = {p: missing if FAILED in row else row for p, row in zip(points, rows, strict=True)}
+    table = [dict(zip(COLUMNS, [*p, *(f"{row[name]:.6g}" for name in SHOWN)])) for p, row in found.items()]
+    write_table(given.output / "coupling.csv", table)
+    _draw(given.output, found, k, nu)
+    say(f"figure and table in {given.output}")
 
 
 def changes(k: float, nu: float, mu: float) -> dict[str, float]:

@@ -1,8 +1,6 @@
 """One engine for many independent runs: over any executor, with a store of what is finished and one line of progress.
 
-    with workers(comm) as executor:               # every rank; None on the ranks that work for rank 0
-        if comm.rank == 0:
-            rows = run_all(items, work, Store(folder / "runs.jsonl"), executor)
+    rows = run_on(comm, items, work, Store(folder / "runs.jsonl"))  # every rank; None on those that work for rank 0
 
 ``work`` is a function of a module: it goes to other processes by name.
 """
@@ -76,6 +74,18 @@ def workers(comm: MPI.Comm) -> Iterator[Executor | None]:
     failure = comm.bcast(failure)
     if failure is not None:
         raise failure
+
+
+def run_on(
+    comm: MPI.Comm,
+    items: Iterable[Item],
+    work: Callable[[Row], Row],
+    store: Store | None = None,
+    tell: Callable[[str], None] | None = None,
+) -> list[Row] | None:
+    """``run_all`` over the ranks of ``comm``: the rows on rank 0, None on the others. Collective."""
+    with workers(comm) as executor:
+        return run_all(items, work, store, executor, tell) if comm.rank == 0 else None
 
 
 def run_all(

@@ -3,7 +3,6 @@
 import os
 from argparse import Namespace
 from collections.abc import Iterable
-from concurrent.futures import Executor
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +12,7 @@ from ..output.files import write_text
 from ..output.style import save, style
 from ..scene import SceneError
 from .commandline import make_folders, study_parser
-from .engine import FAILED, Item, run_all, workers
+from .engine import FAILED, Item, run_on
 from .mapping import pictures
 from .mapping.answers import best_profile, table
 from .mapping.points import Energies, Point, by_simulation, by_theory
@@ -56,20 +55,15 @@ def main(arguments: list[str]):
         for amplitude in given.amplitudes
         for k in given.k
     ]
-    with workers(comm) as executor:
-        found = simulated(points, Store(given.output / "loops.jsonl"), executor) if comm.rank == 0 else {}
-    if comm.rank == 0:
-        drawn = ["map_theory", *simulated_pictures(given, found)]
-        text = answers(given, found)
-        write_text(given.page, page(given, text, drawn))
-        say(f"\n{text}\nwritten to {given.output}: {', '.join(f'{name}.png' for name in drawn)}; {given.page}")
-
-
-def simulated(points: list[Point], store: Store, executor: Executor | None) -> dict[Point, Energies]:
-    """By simulation, where that converges; loops in the store are not run again."""
     items = [Item(f"k = {p.k:g}, Q_A = {p.amplitude:g} μP, |x|^{p.m:g}", vars(p)) for p in points]
-    rows = run_all(items, _loop, store, executor, say)
-    return {point: Energies(**row) for point, row in zip(points, rows, strict=True) if FAILED not in row}
+    rows = run_on(comm, items, _loop, Store(given.output / "loops.jsonl"), say)
+    if rows is None:
+        return
+    found = {point: Energies(**row) for point, row in zip(points, rows, strict=True) if FAILED not in row}
+    drawn = ["map_theory", *simulated_pictures(given, found)]
+    text = answers(given, found)
+    write_text(given.page, page(given, text, drawn))
+    say(f"\n{text}\nwritten to {given.output}: {', '.join(f'{name}.png' for name in drawn)}; {given.page}")
 
 
 def _loop(values: dict) -> dict:

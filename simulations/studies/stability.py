@@ -10,7 +10,6 @@ import time
 import tomllib
 from argparse import Namespace
 from collections.abc import Iterable, Sequence
-from concurrent.futures import Executor
 from pathlib import Path
 
 import numpy as np
@@ -28,7 +27,7 @@ from ..runs.simulation import Simulation
 from ..scene import Scene, SceneError, make_scene
 from .commandline import make_folders, study_parser
 from .engine import FAILED as NO_ROW
-from .engine import Item, run_all, workers
+from .engine import Item, run_on
 from .stability_report import FAILED, FAILING, GREEN, REFUSED, UNJUDGED, WRONG, picture, summary, table
 from .store import Store
 
@@ -160,22 +159,17 @@ def _errors(simulation: Simulation, every_state: bool) -> tuple[dict[str, float]
 def main(arguments: list[str]):
     """Solve what is not yet solved, then write the tables and the picture of all."""
     given, cases = on_root(lambda: read(arguments))
-    with workers(comm) as executor:
-        if comm.rank == 0:
-            rows = solve_all(cases, Store(given.output / "cases.jsonl"), executor)
-    if comm.rank == 0:
-        write_table(given.output / "stability.csv", rows)
-        write_text(given.page, table(rows))
-        picture(given.output / "stability.png", rows)
-        say(summary(rows) + f"\nwritten to {given.output}: stability.csv, stability.png; {given.page}")
-
-
-def solve_all(cases: dict[str, dict], store: Store, executor: Executor | None) -> list[dict]:
-    """Rows of all cases; what ends a case in a way that nobody foresaw is no answer."""
     items = [Item(name, values) for name, values in cases.items()]
-    rows = run_all(items, solve, store, executor, say)
-    unforeseen = [{"outcome": FAILED, "why": row[NO_ROW], "seconds": 0.0} if NO_ROW in row else row for row in rows]
-    return [{"name": item.name} | row for item, row in zip(items, unforeseen, strict=True)]
+    found = run_on(comm, items, solve, Store(given.output / "cases.jsonl"), say)
+    if found is None:
+        return
+    # what ends a case in a way that nobody foresaw is no answer
+    found = [{"outcome": FAILED, "why": row[NO_ROW], "seconds": 0.0} if NO_ROW in row else row for row in found]
+    rows = [{"name": item.name} | row for item, row in zip(items, found, strict=True)]
+    write_table(given.output / "stability.csv", rows)
+    write_text(given.page, table(rows))
+    picture(given.output / "stability.png", rows)
+    say(summary(rows) + f"\nwritten to {given.output}: stability.csv, stability.png; {given.page}")
 
 
 def read(arguments: list[str]) -> tuple[Namespace, dict[str, dict]]:

@@ -4,7 +4,7 @@ import time
 
 from mpi4py import MPI
 
-from simulations.studies.engine import Item, run_all, workers
+from simulations.studies.engine import Item, run_on
 
 comm = MPI.COMM_WORLD
 meeting = comm.Dup()  # apart from the messages of the executor
@@ -21,8 +21,7 @@ def who(values):
 
 
 if __name__ == "__main__":
-    with workers(comm) as executor:
-        if comm.rank == 0:
-            rows = run_all([Item(str(n), {"n": n}) for n in range(24)], who, executor=executor)
-            assert [row["n"] for row in rows] == list(range(24))
-            print(len(rows), "rows by", len({row["rank"] for row in rows}), "ranks")
+    rows = run_on(comm, [Item(str(n), {"n": n}) for n in range(24)], who)
+    if comm.rank == 0:
+        assert [row["n"] for row in rows] == list(range(24))
+        print(len(rows), "rows by", len({row["rank"] for row in rows}), "ranks")

@@ -1,6 +1,5 @@
 """Sentences of Sections 4 and 5 on the cycle and on coupling: how large the difference to the closed forms is."""
 
-from concurrent.futures import Executor
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -10,7 +9,7 @@ from analytic import PowerProfile
 from analytic.half_plane.linear import ContactNotConverged
 
 from ...runs.comparison import relative_l2
-from ..engine import FAILED, Item, run_all
+from ..engine import FAILED, Item, run_on
 from ..loops import SimulatedLoop, simulate
 from .claim import Claim, minus_signs, verdict
 from .comparisons import COUPLED, DEPTH, HOLL, NEGATIVE, Pair, theory
@@ -64,10 +63,10 @@ def difference(k: float, nu: float, mu: float = MU) -> Difference | None:
     )
 
 
-def differences(executor: Executor | None = None) -> list[Difference]:
-    """The table over k and nu; nan where the simulation does not converge."""
+def differences(comm) -> list[Difference]:
+    """The table over k and nu, on every rank; nan where the simulation does not converge."""
     items = [Item(f"k = {k:g}, nu = {nu:g}", {"k": k, "nu": nu}) for k in TABLE_K for nu in TABLE_NU]
-    rows = run_all(items, _difference_row, executor=executor)
+    rows = comm.bcast(run_on(comm, items, _difference_row))
     failed = [row[FAILED] for row in rows if FAILED in row]
     if failed:
         raise RuntimeError(failed[0])
