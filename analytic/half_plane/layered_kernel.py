@@ -78,7 +78,6 @@ class LayeredKernel:
     depth: float
     smallest: float
     largest: float
-    breaks: tuple = ()
 
     @property
     def k(self):
@@ -92,13 +91,9 @@ class LayeredKernel:
 
     def compliance(self, wavenumber):
         """C_xx, C_yy and Im C_xy for an array of wavenumbers [length/stress], shape (3, n)."""
-        return np.stack(
-            [
-                surface_compliance(self.modulus, self.surface.nu, w, self.depth, self.k, (self.depth, *self.breaks))
-                for w in wavenumber
-            ],
-            axis=1,
-        )
+        breaks = (self.depth,)
+        found = [surface_compliance(self.modulus, self.surface.nu, w, self.depth, self.k, breaks) for w in wavenumber]
+        return np.stack(found, axis=1)
 
     @cached_property
     def _sources(self):
