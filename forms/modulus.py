@@ -34,7 +34,7 @@ class Modulus(Protocol):
         """Exponent of the power law E0 y^k that E follows on the surface."""
 
     @property
-    def surface_factor(self) -> float:
+    def E0(self) -> Any:
         """E0 of the same."""
 
     @property
@@ -62,26 +62,21 @@ def with_parameters(modulus, make: Callable[[float], Expr]):
 
 @dataclass(frozen=True)
 class PowerLaw:
-    """``E = factor y^k`` down to ``thickness`` and constant below, -1 < k < 1; equation (1) where that is infinite.
+    """``E = E0 y^k`` down to ``thickness`` and constant below, -1 < k < 1; equation (1) where that is infinite.
 
     sign: of k. It decides which terms there are; the value of k is a number in them.
     """
 
     k: Any
     sign: int
-    factor: Any = 1.0
+    E0: Any = 1.0
     thickness: Any = inf
-    parameters: ClassVar[tuple[str, ...]] = ("k", "factor", "thickness")
+    parameters: ClassVar[tuple[str, ...]] = ("k", "E0", "thickness")
 
     @classmethod
-    def of(cls, k: float, factor: float = 1.0, thickness: float = inf) -> "PowerLaw":
+    def of(cls, k: float, E0: float = 1.0, thickness: float = inf) -> "PowerLaw":
         """The power law of exponent ``k``."""
-        return cls(k, (k > 0) - (k < 0), factor, thickness)
-
-    @property
-    def surface_factor(self):
-        """``factor``."""
-        return self.factor
+        return cls(k, (k > 0) - (k < 0), E0, thickness)
 
     @property
     def is_singular(self) -> bool:
@@ -91,8 +86,8 @@ class PowerLaw:
     def young(self, y):
         """Young's modulus at depth ``y``; constant for k = 0."""
         if self.sign == 0:
-            return self.factor
-        return self.factor * up_to(self.thickness, y) ** self.k
+            return self.E0
+        return self.E0 * up_to(self.thickness, y) ** self.k
 
     def depth_map(self) -> DepthMap:
         """For k > 0 the coordinate s = y^(1-k), in which the displacement is smooth; y itself for k <= 0."""
@@ -104,7 +99,7 @@ class PowerLaw:
         graded = (up_to(h, bottom) ** power - up_to(h, top) ** power) / power
         below = (bottom - up_to(h, bottom)) - (top - up_to(h, top))
         constant = h**self.k if np.isfinite(h) else 0.0
-        return self.factor * (graded + constant * below) / (bottom - top)
+        return self.E0 * (graded + constant * below) / (bottom - top)
 
     def surface_moduli(self, h, depth: DepthMap):
         """Finite surface values ``(along, into)`` for a first cell of height ``h`` in the mesh depth.
@@ -114,36 +109,31 @@ class PowerLaw:
         """
         k = self.k
         if self.sign == 0:
-            return self.factor, self.factor
+            return self.E0, self.E0
         if depth.is_identity:
-            mean = self.factor * h**k / (1.0 + k)
+            mean = self.E0 * h**k / (1.0 + k)
             return mean, mean
-        return self.factor * (1.0 - k) * h ** (k / (1.0 - k)), self.factor * (1.0 - k)
+        return self.E0 * (1.0 - k) * h ** (k / (1.0 - k)), self.E0 * (1.0 - k)
 
 
 @dataclass(frozen=True)
 class Coating:
-    """E from ``surface`` to ``substrate`` over ``thickness``, constant below; linear, or exponential where asked."""
+    """E from ``E0`` to ``substrate`` over ``thickness``, constant below; linear, or exponential where asked."""
 
-    surface: Any
+    E0: Any
     substrate: Any
     thickness: Any
     exponential: bool = False
     k: ClassVar = 0.0
     is_singular: ClassVar = False
-    parameters: ClassVar[tuple[str, ...]] = ("surface", "substrate", "thickness")
-
-    @property
-    def surface_factor(self):
-        """``surface``."""
-        return self.surface
+    parameters: ClassVar[tuple[str, ...]] = ("E0", "substrate", "thickness")
 
     def young(self, y):
         """Young's modulus at depth ``y``."""
         share = up_to(self.thickness, y) / self.thickness
         if self.exponential:
-            return self.surface * (self.substrate / self.surface) ** share
-        return self.surface + (self.substrate - self.surface) * share
+            return self.E0 * (self.substrate / self.E0) ** share
+        return self.E0 + (self.substrate - self.E0) * share
 
     def depth_map(self) -> DepthMap:
         """The depth itself: E is finite on the surface."""
@@ -151,7 +141,7 @@ class Coating:
 
     def surface_moduli(self, h, depth: DepthMap):
         """E on the surface, twice."""
-        return self.surface, self.surface
+        return self.E0, self.E0
 
 
 def up_to(limit, y):

@@ -64,7 +64,7 @@ class Scaled:
         """The scaled scene."""
         scales = Scales.of(scene)
         law = modulus(scene.material, scales.length, scales.modulus)
-        solid = GradedHalfPlane(E0=law.surface_factor, nu=scene.solid.nu, k=scene.k, y0=1.0)
+        solid = GradedHalfPlane(E0=law.E0, nu=scene.solid.nu, k=scene.k, y0=1.0)
         indenter = scene.shape.scaled(scales.length, scales.displacement)
         contact = normal_contact(solid, indenter.analytic(), 1.0) if scene.is_power_law else None
         return cls(scales, law, solid, indenter, contact)
