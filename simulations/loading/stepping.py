@@ -239,7 +239,8 @@ class LoadStepping:
     def _with_entering_points(self, before, after):
         """``_solve``, again and again until the points that enter contact are anchored where the edge passed them."""
         first_contact = before.P == 0.0
-        clearance = self._first_clearance() if first_contact else self._clearance()
+        # at rest the clearance is the indenter's height
+        clearance = self._clearance_at(0.0, 0.0) if first_contact else self._clearance()
         stuck = partial(self._stuck, after.P) if self._stuck and self._is_pressed_only else None
         self.entering.begin(clearance, first_contact, stuck)
         if self._is_uncoupled:
@@ -278,10 +279,6 @@ class LoadStepping:
         if not self._is_uncoupled:
             return self.problem.terms.clearance.values()
         return self._clearance_at(self.problem.held.state.x.array, self.body.delta.value)
-
-    def _first_clearance(self):
-        """The indenter's height above the surface points: their clearance before the first contact."""
-        return self._clearance_at(0.0, 0.0)
 
     def _clearance_at(self, state, rigid):
         """By the frictionless problem, with this state of the body and these rigid displacements; its own stay."""
