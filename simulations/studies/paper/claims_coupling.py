@@ -12,8 +12,8 @@ from ...runs.comparison import relative_l2
 from ..engine import FAILED, Item, run_on
 from ..loops import SimulatedLoop, simulate
 from .claim import Claim, minus_signs, verdict
-from .comparisons import COUPLED, DEPTH, HOLL, NEGATIVE, Pair, theory
-from .elements import Runs, closed_field
+from .comparisons import COUPLED, DEPTH, HOLL, NEGATIVE, slip_at_A, theory, traction_at
+from .elements import Runs
 from .setting import AMPLITUDE, MU, STATES, contact
 
 AGREES_WELL = 0.05  # relative difference up to which a field counts as agreeing well
@@ -164,8 +164,8 @@ def mirrored() -> Claim:
 def coupling_claims(runs: Runs, found: list[Difference]) -> list[Claim]:
     """Section 5.3 and the assumption of Section 4, by finite elements and by the mesh-free solver."""
     at = {(d.k, d.nu): d for d in found}
-    slip = {pair: _slip_deviation(runs, pair) for pair in (NEGATIVE, HOLL, COUPLED)}
-    states = {pair: _traction_deviations(runs, pair) for pair in (NEGATIVE, HOLL)}
+    slip = {pair: slip_at_A(runs, pair)[-1].l2 for pair in (NEGATIVE, HOLL, COUPLED)}
+    states = {pair: {name: traction_at(runs, pair, name)[-1].l2 for name in STATES} for pair in (NEGATIVE, HOLL)}
     negative, coupled = at[NEGATIVE.k, NEGATIVE.nu], at[COUPLED.k, COUPLED.nu]
     low, high = min(states[NEGATIVE].values()), max(states[NEGATIVE].values())
     known = [d for d in found if not np.isnan(d.slip)]
@@ -212,24 +212,3 @@ def coupling_claims(runs: Runs, found: list[Difference]) -> list[Claim]:
             verdict(max(states[HOLL].values()) < 1e-2),
         ),
     ]
-
-
-def _slip_deviation(runs: Runs, pair: Pair) -> float:
-    """Relative L2 of the finite elements' slip at A, over the contact."""
-    normal, loop = theory(pair)
-    field = runs.loop(pair.k, pair.nu, AMPLITUDE, coupling=True).states["A"]
-    under = np.abs(field.x) <= 1
-    closed = closed_field(normal, loop, field.x[under], loop.Q_A, "unloading")["slip"]
-    return relative_l2(field.weight[under], -field.slip[under], closed)
-
-
-def _traction_deviations(runs: Runs, pair: Pair) -> dict[str, float]:
-    """Relative L2 of the finite elements' traction by state."""
-    normal, loop = theory(pair)
-    states = runs.loop(pair.k, pair.nu, AMPLITUDE, coupling=True).states
-    deviations = {}
-    for name, (share, branch) in STATES.items():
-        field = states[name]
-        closed = closed_field(normal, loop, field.x, share * loop.Q_A, branch)["traction"]
-        deviations[name] = relative_l2(field.weight, field.traction, closed)
-    return deviations

@@ -53,6 +53,26 @@ def theory(pair: Pair):
     return normal, normal.fretting(MU, z=1 - AMPLITUDE)
 
 
+def slip_at_A(runs: Runs, pair: Pair, panel: str = ""):
+    """Computed field at A, its nodes in contact (n,), and how far its slip there is from the theory."""
+    normal, loop = theory(pair)
+    field = runs.loop(pair.k, pair.nu, AMPLITUDE, coupling=True).states["A"]
+    under = np.flatnonzero(np.abs(field.x) <= 1)
+    closed = closed_field(normal, loop, field.x[under], loop.Q_A, "unloading")["slip"]
+    at = (field.weight[under], -field.slip[under], closed)
+    return field, under, Deviation.of(panel, pair.name, "slip", pair.is_decoupled, *at)
+
+
+def traction_at(runs: Runs, pair: Pair, state: str, panel: str = ""):
+    """Computed field at one of the STATES, and how far its traction is from the theory."""
+    normal, loop = theory(pair)
+    share, branch = STATES[state]
+    field = runs.loop(pair.k, pair.nu, AMPLITUDE, coupling=True).states[state]
+    closed = closed_field(normal, loop, field.x, share * loop.Q_A, branch)["traction"]
+    at = (field.weight, field.traction, closed)
+    return field, Deviation.of(panel, f"{pair.name}, {state}", "traction", pair.is_decoupled, *at)
+
+
 def figure10(runs: Runs):
     """Slip at +Q_A, where the paper's (50) holds."""
     note = (
@@ -69,12 +89,8 @@ def figure10(runs: Runs):
             own, units = own_units(normal), homogeneous_units(normal)
             x = np.linspace(-normal.a, normal.a, 601)
             axis.plot(x, loop.amplitude.slip(x) / units.slip, color=colour)
-            field = runs.loop(pair.k, pair.nu, AMPLITUDE, coupling=True).states["A"]
+            field, under, found = slip_at_A(runs, pair, panel)
             slip, place = convert(-field.slip, own, units, "slip"), convert(field.x, own, units, "length")
-            under = np.flatnonzero(np.abs(field.x) <= 1)
-            closed = closed_field(normal, loop, field.x[under], loop.Q_A, "unloading")["slip"]
-            at = (field.weight[under], -field.slip[under], closed)
-            found = Deviation.of(panel, pair.name, "slip", pair.is_decoupled, *at)
             deviations.append(found)
             drawn = [i for i in field.drawn(under[found.at]) if field.pressure[i] > 0]
             label = pair.label + (" (Holl ratio)" if pair.is_decoupled else "")
@@ -110,15 +126,11 @@ def traction_panel(axis, runs: Runs, panel: str, pair: Pair):
     normal, loop = theory(pair)
     own, units = own_units(normal), homogeneous_units(normal)
     x = np.linspace(-1.15, 1.15, 1201) * normal.a
-    computed = runs.loop(pair.k, pair.nu, AMPLITUDE, coupling=True).states
     farthest = {}
     for i, (state, (share, branch)) in enumerate(STATES.items()):
-        at = {"Q": share * loop.Q_A, "branch": branch}
-        axis.plot(x, loop.traction(x, **at) / units.traction, color=COLOURS[i])
-        field, exact = computed[state], pair.is_decoupled
+        axis.plot(x, loop.traction(x, share * loop.Q_A, branch) / units.traction, color=COLOURS[i])
+        field, found = traction_at(runs, pair, state, panel)
         traction, place = convert(field.traction, own, units, "traction"), convert(field.x, own, units, "length")
-        closed = closed_field(normal, loop, field.x, **at)["traction"]
-        found = Deviation.of(panel, f"{pair.name}, {state}", "traction", exact, field.weight, field.traction, closed)
         drawn, label = field.drawn(found.at), f"{state}: " + LOADS[state]
         axis.plot(place[drawn], traction[drawn], MARKERS[i], ms=4, color=COLOURS[i], label=label)
         farthest[found] = place[found.at], traction[found.at]
