@@ -1,7 +1,6 @@
 """One page about a run that a person can read, print on two sheets and send on:  python -m simulations.report DIR."""
 
 import base64
-import csv
 import html
 import json
 from pathlib import Path
@@ -10,7 +9,7 @@ from .command.arguments import Parser
 from .command.command import on_root, run, say
 from .output import page_figures as figures
 from .output.body_states import read_states
-from .output.files import write_text
+from .output.files import rows_of, write_text
 from .output.folder import REPORT, refuse_changed
 from .output.page_words import CHECKS, FIELDS, PHASES, QUANTITIES, asked, quantity
 from .output.style import left_out, spread
@@ -61,8 +60,7 @@ def page(folder: Path) -> str:
     """The page as HTML; everything it shows is in it. SceneError where the files are not those of a run."""
     try:
         summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
-        with open(folder / "history.csv", newline="", encoding="utf-8") as file:
-            rows = list(csv.DictReader(file))
+        rows = rows_of(folder / "history.csv")
         scene = (folder / "scene.toml").read_text(encoding="utf-8")
         words = asked(parse(scene, name=f"scene {shown(folder / 'scene.toml')}"))
         title = summary["title"] or folder.resolve().name  # also of "."

@@ -1,7 +1,5 @@
 """Pictures of the stress in the body at the recorded states of a run."""
 
-from collections.abc import Iterable
-
 import numpy as np
 from matplotlib.ticker import MaxNLocator
 
@@ -13,7 +11,7 @@ WORDS = {"normal": "pressing", "initial": "first loading"}  # of branches that h
 STRESS = "von Mises stress [MPa]"
 
 
-def half_width(rows: Iterable[dict]) -> float:
+def half_width(rows: list[dict]) -> float:
     """Contact half-width of the widest state [m]; rows: those of history.csv."""
     return float(np.nanmax([float(row["a[m]"]) for row in rows]))
 

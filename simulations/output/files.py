@@ -89,6 +89,12 @@ def write_table(path: Path, rows: list[dict]):
     write_text(path, table.getvalue())
 
 
+def rows_of(path: Path) -> list[dict[str, str]]:
+    """Rows of a CSV file by column."""
+    with path.open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
 def write_history(path: Path, history: History, scales: Scales, times: np.ndarray):
     """history.csv, a row a load step; times: load parameters (s,)."""
     write_table(path, [_row(e, t, scales, history.friction) for e, t in zip([*history.entries], times)])

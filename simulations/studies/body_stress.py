@@ -1,6 +1,5 @@
 """Draw the stress in the body through the cycle of a finished run:  python -m simulations.studies.body_stress DIR."""
 
-import csv
 from argparse import Namespace
 from pathlib import Path
 
@@ -12,7 +11,7 @@ from ..command.command import comm, on_root, run, say
 from ..output.body_pictures import STRESS, draw, fill, half_width, inside
 from ..output.body_states import BodyState, read_states
 from ..output.checkpoint import read_scene
-from ..output.files import on_disk
+from ..output.files import on_disk, rows_of
 from ..output.folder import refuse_changed
 from ..output.style import in_words, panels, save, style
 from ..scene import SceneError, shown
@@ -68,8 +67,7 @@ def read(arguments: list[str]) -> Namespace:
         given.states = read_states(given.folder)
         if not (given.folder / "history.csv").is_file():
             raise SceneError(f"{given.folder} is not the folder of a run that ended: history.csv is missing")
-        with open(given.folder / "history.csv", newline="", encoding="utf-8") as file:
-            given.a = half_width(csv.DictReader(file))
+        given.a = half_width(rows_of(given.folder / "history.csv"))
     except (OSError, KeyError, TypeError, ValueError) as error:
         raise SceneError(f"{shown(given.folder)}: its files are not those of a run: {error!r}") from None
     refuse_changed(given.folder)

@@ -3,7 +3,6 @@
     python -m simulations.studies.cost
 """
 
-import csv
 import importlib.util
 import json
 import math
@@ -12,7 +11,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 from ..command.command import comm, on_root, run, say
-from ..output.files import on_disk, write_table
+from ..output.files import on_disk, rows_of, write_table
 from ..scene import SceneError, accuracy, shown
 from .commandline import make_folders, study_parser
 from .costs import sweeps
@@ -110,8 +109,7 @@ def name_of(row: Row) -> str:
 
 def read_rows(path: Path) -> list[Row]:
     """Rows of a table, numbers as numbers."""
-    with path.open(encoding="utf-8", newline="") as file:
-        return [{name: _number(name, value) for name, value in row.items()} for row in csv.DictReader(file)]
+    return [{name: _number(name, value) for name, value in row.items()} for row in rows_of(path)]
 
 
 def calibrate(rows: list[dict]):
