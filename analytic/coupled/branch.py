@@ -160,11 +160,6 @@ class Branch:
                 return state
         return self._solved(load)[0]
 
-    @property
-    def solves(self):
-        """Number of linear systems solved so far."""
-        return self._solver.solves
-
     def checked(self, Q):
         """State at Q that also fulfils the conditions which its edges do not ensure. Raises ContactNotConverged."""
         try:

@@ -44,13 +44,11 @@ def variables_of(edges, load, contact):
 class EdgeSolver:
     """States since the turn ``base`` with slip of one direction: q = friction p.
 
-    The variables (4,) of ``edges_of``, for load = |Q - Q at the turn|, change little with the load. solves: number
-    of linear systems.
+    The variables (4,) of ``edges_of``, for load = |Q - Q at the turn|, change little with the load.
     """
 
     def __init__(self, base, friction):
         self.base, self.friction = base, friction
-        self.solves = 0
 
     def state(self, Q, y, iterations=ITERATIONS):
         """State at Q and its variables, from the guess y. Raises ContactNotConverged."""
@@ -64,7 +62,6 @@ class EdgeSolver:
         """State and its variables, from the variables y."""
 
         def solution(y):
-            self.solves += 1
             edges = self._edges(y, load)
             return solve(self.base, self.friction, edges, self._layout(edges), Q)
 

@@ -40,11 +40,11 @@ class Units:
 class CoupledState:
     """State at the loads P and Q [stress x length]; arrays are values at the nodes x of the contact, which increase.
 
-    x: nodes [length], gathered at the edges and where the tractions are not smooth; weight, weight_q: their quadrature
-    weights [length]; pressure, traction [stress]; slip: u_x - delta_x since the end of the normal stage [length];
-    gap [length]; contact, stick: left and right edge [length]; stick_zones: shape (1, 2);
-    delta_x, delta_y: displacements of the indenter [length], for k <= 0 up to a constant times the loads; branch:
-    ``Branch`` of the state, None before Q acts; iterations: linear solves of that branch; is_certain: see ``Branch``.
+    x: nodes [length], gathered at the edges and where the tractions are not smooth; weight: their quadrature weights
+    [length]; pressure, traction [stress]; slip: u_x - delta_x since the end of the normal stage [length]; contact,
+    stick: left and right edge [length]; stick_zones: shape (1, 2); delta_x, delta_y: displacements of the indenter
+    [length], for k <= 0 up to a constant times the loads; branch: ``Branch`` of the state, None before Q acts;
+    is_certain: see ``Branch``.
     """
 
     def __init__(self, normal, state, branch=None, friction=None, turn=None):
@@ -58,13 +58,11 @@ class CoupledState:
         self.stick_zones = np.array([self.stick]) if np.isfinite(self.stick[0]) else np.empty((0, 2))
         self.delta_x = units.displacement * state.delta_x + units.shift_x * state.Q
         self.delta_y = units.displacement * state.delta_y + units.shift_y
-        self.branch, self.iterations = branch, branch.solves if branch else 0
+        self.branch = branch
         self.is_certain = branch is None or (turn is None or turn.is_certain) and branch.is_certain(state.Q)
         x_l, x_r = state.contact
         x, weight = smooth_rule(x_l, x_r, state.breaks)
-        self._nodes = x
-        self.x, self.weight, self.gap = units.length * x, units.length * weight, np.zeros(len(x))
-        self.weight_q = self.weight
+        self.x, self.weight = units.length * x, units.length * weight
         self.pressure, self.traction = units.stress * state.tractions(x)
 
     @cached_property

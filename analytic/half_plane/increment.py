@@ -30,8 +30,8 @@ class Increment:
         """
         seen, problems = set(), LinearProblems(self.operator, self.mu)
         try:
-            for iteration in range(1, MAX_ITERATIONS + 1):
-                (solution,) = problems.solve(sets, self.data, iterations=iteration)
+            for _ in range(MAX_ITERATIONS):
+                (solution,) = problems.solve(sets, self.data)
                 new = self._updated(solution, ROUNDING[0])
                 changed = self._changed(solution, new, ROUNDING[0])
                 if not changed.any():

@@ -53,7 +53,6 @@ class IncrementSolution:
     delta_x: float
     delta_y: float
     sets: ContactSets
-    iterations: int
 
     @property
     def stuck(self):
@@ -74,7 +73,7 @@ class LinearProblems:
         self._unit = np.abs(operator.normal).sum(axis=1).max()  # compliance, length over stress
         self._base: _Base | None = None
 
-    def solve(self, sets: ContactSets, *data: Data, iterations=0) -> list[IncrementSolution]:
+    def solve(self, sets: ContactSets, *data: Data) -> list[IncrementSolution]:
         """Solution for each of the ``data``; it is linear in them."""
         stick = self._stick(sets)
         if not sets.closed.any():
@@ -88,7 +87,7 @@ class LinearProblems:
             column[n:-2] = np.where(stick, d.rest / self._unit, 0.0)
             column[-2:] = d.P / self._width, d.Q / self._width if self.mu else 0.0
         unknowns = self._solved(sets, right)
-        return [self._solution(sets, stick, u, d, iterations) for u, d in zip(unknowns.T, data, strict=True)]
+        return [self._solution(sets, stick, u, d) for u, d in zip(unknowns.T, data, strict=True)]
 
     def _stick(self, sets):
         return sets.closed & (sets.slipping == 0) & (self.mu > 0)
@@ -134,7 +133,7 @@ class LinearProblems:
         gap = np.where(sets.closed[nodes, None], gap, p[nodes])
         return np.vstack([gap, np.where(self._stick(sets)[nodes, None], position, q[nodes] - friction)])
 
-    def _solution(self, sets, stick, unknown, data, iterations):
+    def _solution(self, sets, stick, unknown, data):
         op, n = self.operator, len(stick)
         p = np.where(sets.closed, unknown[:n], 0.0)
         q = np.where(stick, unknown[n:-2], self.mu * sets.slipping * p)
@@ -143,7 +142,7 @@ class LinearProblems:
         gap = np.where(sets.closed, 0.0, data.height + u_y - delta_y)
         position = u_x - delta_x
         position[stick] = data.rest[stick]
-        return IncrementSolution(op.nodes, p, q, gap, position, delta_x, delta_y, sets, iterations)
+        return IncrementSolution(op.nodes, p, q, gap, position, delta_x, delta_y, sets)
 
 
 class _Base:

@@ -65,8 +65,8 @@ def followed(problems: LinearProblems, data: Data, start: Start):
     mu, sets, added, units = problems.mu, start.sets, start.data - data, (start.stress, start.length)
     t, direction, entered = 1.0, -1.0, None
     limit = STEPS_PER_NODE * len(data.height)
-    for step in range(limit):
-        fixed, change = problems.solve(sets, data, added, iterations=step)
+    for _ in range(limit):
+        fixed, change = problems.solve(sets, data, added)
         rate = _conditions(mu, sets, added, change, *units)
         value = _conditions(mu, sets, data, fixed, *units) + t * rate
         if entered is not None:

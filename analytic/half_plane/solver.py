@@ -101,16 +101,15 @@ class HalfPlaneContact:
         k = self.kernel.k
         mu = self._friction(normal_stage)
         layout, old_edges = memory.layout, memory.edges_left_behind(load)
-        fine, solution, iterations, motion = 0, None, 0, np.inf
+        fine, solution, motion = 0, None, np.inf
         earlier: list[Layout] = []
         settled = SETTLED * first_distance(self.nodes, k)
         for number in range(PASSES):
             operator, solution = self._solved(layout, fine > 0, fine > 0, memory, mu, load, solution)
-            iterations += solution.iterations
             new = layout.of(solution, mu, k, old_edges)
             last_motion, motion = motion, new.distance(layout)
             if fine and motion < (SOUGHT if fine > 2 * HALF_PASSES else settled):
-                return self._remember(memory, new, operator, solution, load, normal_stage, iterations)
+                return self._remember(memory, new, operator, solution, load, normal_stage)
             if any(new.distance(other) < settled for other in earlier):  # edges go round: once more
                 if fine > 2 * HALF_PASSES:
                     break
@@ -128,7 +127,7 @@ class HalfPlaneContact:
                 f"P = {P:g}, Q = {Q:g}: after {number + 1} passes the edges of contact still move "
                 f"by {motion:.1e} of the width of the contact"
             )
-        return self._remember(memory, new, operator, solution, load, normal_stage, iterations)
+        return self._remember(memory, new, operator, solution, load, normal_stage)
 
     def _solved(self, layout, fine, adapted, memory, mu, load, previous):
         """Operator and solution on the nodes of ``layout``, more of them should the contact reach the last.
@@ -155,7 +154,7 @@ class HalfPlaneContact:
                 return operator, previous
             margin += 0.1 * layout.width
 
-    def _remember(self, memory, layout, operator, solution, load, normal_stage, iterations):
+    def _remember(self, memory, layout, operator, solution, load, normal_stage):
         P, Q, strain = load
         x = operator.nodes
         reached = solution.position + strain * x
@@ -200,7 +199,6 @@ class HalfPlaneContact:
             memory.dissipated_energy + work,
             solution.delta_x,
             solution.delta_y,
-            iterations,
             strain,
         )
         pressure = partial(interpolated, x, of_p)

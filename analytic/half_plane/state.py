@@ -21,7 +21,7 @@ class ContactState:
     contact, stick: left and right edge [length], stick that of all its zones, nan without friction;
     stick_zones: each of them, shape (n, 2); dissipated_energy: frictional work since first contact [stress x length²];
     delta_x, delta_y: displacements of the indenter [length], for k <= 0 up to a constant times the loads;
-    iterations: linear solves; strain: of the half-plane along x [1].
+    strain: of the half-plane along x [1].
     """
 
     P: float
@@ -39,7 +39,6 @@ class ContactState:
     dissipated_energy: float
     delta_x: float
     delta_y: float
-    iterations: int
     strain: float = 0.0
 
     @property
