@@ -23,18 +23,11 @@ Stuck = Callable[[float, np.ndarray], np.ndarray]
 
 
 class SolveError(RuntimeError):
-    """A load step has no answer, and smaller ones did not help. The message says where and why, in scaled loads.
+    """A load step has no answer, and smaller ones did not help; after: the load that was not reached, where known."""
 
-    before, after: the loads between which it happened, and ``branch``; None where loads have nothing to do with it.
-    reason: the message without them.
-    """
-
-    def __init__(self, reason: str, before: Load | None = None, after: Load | None = None, branch: str = ""):
-        self.reason, self.before, self.after, self.branch = reason, before, after, branch
-        where = ""
-        if before is not None and after is not None:
-            where = f"between (P, Q) = ({before.P:.4g}, {before.Q:.4g}) and ({after.P:.4g}, {after.Q:.4g}) ({branch}): "
-        super().__init__(where + reason)
+    def __init__(self, reason: str, after: Load | None = None):
+        super().__init__(reason)
+        self.after = after
 
 
 @dataclass(frozen=True)
@@ -210,9 +203,7 @@ class LoadStepping:
                 f"no equilibrium: {first.reason}, and at last {last.reason}; force residual {first.residual:.1e} P "
                 f"after {first.iterations} iterations and {depth} halvings of the load step, contact states changed "
                 f"in the last iterations: {changes}",
-                before,
                 after,
-                step.branch,
             )
         return self._in_halves(before, step, depth)
 

@@ -245,4 +245,4 @@ def failure_in_si(simulation: Simulation, reason) -> str:
     loads = f"P = {P * unit:.4g} N/m, Q = {Q * unit:.4g} N/m"
     keys = ", ".join(f"load.{name} = {value:g}" for name, value in scene.load if name in ("P", "amplitude", "mu"))
     place = f"load step {number + 1} of {len(simulation.schedule)}, {step.branch}"
-    return f"{loads} ({place}; {keys or 'load.points'}): {getattr(reason, 'reason', reason)}"
+    return f"{loads} ({place}; {keys or 'load.points'}): {reason}"
