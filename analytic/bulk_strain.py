@@ -135,19 +135,15 @@ class StretchedPartialSlip:
 class StretchedLoop:
     """Fretting loop of the cylinder with strain: 0 -> Q_A together with 0 -> strain, then the cycle.
 
-    loop: the same without strain; strain: its value at +Q_A [1], tension positive. in_phase: True
-    for eps = strain Q/Q_A throughout, False where it stays at ``strain`` once +Q_A is reached.
+    loop: the same without strain; strain: its value at +Q_A [1], tension positive, eps = strain Q/Q_A throughout.
     Fields take x of any shape and Q of any shape (broadcast with x).
 
     Raises ValueError for another profile, and where one edge of the stick zone does not recede
     while Q grows: |strain| > ``largest_strain``. Below it the stick zone stays in the contact.
-    A constant strain is described up to where the zone that has stuck since +Q_A meets the former
-    stick zone; beyond, and for its energy, ValueError.
     """
 
     loop: FrettingLoop
     strain: float
-    in_phase: bool = True
 
     def __post_init__(self):
         if not isinstance(self.loop.contact, CylinderContact):
@@ -200,13 +196,11 @@ class StretchedLoop:
 
     def energy_density(self, x):
         """Energy lost per cycle and area, 4 mu p(x, a) h_x(x - e, c) [stress x length], [X7]."""
-        self._require_cycle()
         return 4 * self.amplitude.traction(x) * self.amplitude.slip(x)
 
     @property
     def dissipated_energy(self):
         """Energy per cycle and thickness, the integral of the density [stress x length²], [X7]."""
-        self._require_cycle()
         return self.loop.dissipated_energy if self.strain == 0 else 4 * self.amplitude.work
 
     def dissipated(self, Q, branch):
@@ -216,21 +210,7 @@ class StretchedLoop:
             return 0.0
         return (1 if branch == "initial" else 2) * step.work
 
-    def _require_cycle(self):
-        if self.strain and not self.in_phase:
-            raise ValueError("a strain that stays constant has no closed form over a whole cycle")
-
     def _step(self, Q, branch):
         state = self.loop.step(Q, branch)
-        if self.in_phase or branch == "initial":
-            share = state.Q / self.loop.Q_A if self.loop.Q_A else 0.0
-            return StretchedPartialSlip(state, self.strain * share)
-        outer = self.c + abs(self.shift)
-        if self.strain and (branch == "reloading" or np.any(state.c < outer * (1 - BEYOND_END))):
-            k, limit = self.loop.contact.solid.k, self.loop.mu * self.loop.contact.P
-            last = self.loop.Q_A - 2 * limit * (1 - (outer / self.loop.a) ** (2 + k))
-            raise ValueError(
-                f"Q = {Q!r} on the {branch} branch is outside the range of the closed form with "
-                f"constant strain, {last!r} <= Q on the way down from +Q_A"
-            )
-        return StretchedPartialSlip(state, 0.0)
+        share = state.Q / self.loop.Q_A if self.loop.Q_A else 0.0
+        return StretchedPartialSlip(state, self.strain * share)
