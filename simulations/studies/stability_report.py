@@ -11,21 +11,13 @@ from ..scene.text import table_row
 
 GREEN, REFUSED, FAILING, FAILED = "green", "refused", "checks fail", "no answer"
 UNJUDGED, WRONG = "not judged", "wrong"
-COLOURS = {
-    GREEN: style.GREEN,
-    REFUSED: style.ORANGE,
-    FAILING: style.PURPLE,
-    FAILED: style.BLUE,
-    UNJUDGED: style.GREY,
-    WRONG: style.RED,
-}
-MEANING = {
-    GREEN: "converged, all checks hold",
-    REFUSED: "refused before the solve",
-    FAILING: "converged, but checks fail, and the run says so",
-    FAILED: "without an answer",
-    UNJUDGED: "off a reference that is known worse than the limit",
-    WRONG: "off the reference though all checks hold",
+OUTCOMES = {  # how a case may end: its colour and marker, and what it means
+    GREEN: (style.GREEN, "o", "converged, all checks hold"),
+    REFUSED: (style.ORANGE, "s", "refused before the solve"),
+    FAILING: (style.PURPLE, "v", "converged, but checks fail, and the run says so"),
+    FAILED: (style.BLUE, "^", "without an answer"),
+    UNJUDGED: (style.GREY, "D", "off a reference that is known worse than the limit"),
+    WRONG: (style.RED, "X", "off the reference though all checks hold"),
 }
 HELPS = "may help"  # ends the causes of checks that fail and have an action
 ACTIONS = {  # of what fails after the solve, where no cause tells it; the first that fits
@@ -50,13 +42,13 @@ def summary(rows: list[dict]) -> str:
     """One line: how many ended how."""
     count = Counter(row["outcome"] for row in rows)
     compared = sum(any(name.startswith("error ") for name in row) for row in rows)
-    ends = ", ".join(f"{count[o]} {MEANING[o]} ({count[o] / len(rows):.1%})" for o in MEANING)
+    ends = ", ".join(f"{count[o]} {meaning} ({count[o] / len(rows):.1%})" for o, (*_, meaning) in OUTCOMES.items())
     return f"{len(rows)} cases: {ends}; {compared} of them beside a reference"
 
 
 def table(rows: list[dict]) -> str:
     """Markdown: a row a study, then every case that is not green."""
-    heads = ("study", "cases", *COLOURS, "iterations an increment", "cuts", "p", "q", "energy")
+    heads = ("study", "cases", *OUTCOMES, "iterations an increment", "cuts", "p", "q", "energy")
     lines = [summary(rows), "", f"| {' | '.join(heads)} |", "|---|" + "---:|" * (len(heads) - 1)]
     for name, cases in by_study(rows).items():
         count = Counter(case["outcome"] for case in cases)
@@ -65,7 +57,7 @@ def table(rows: list[dict]) -> str:
         worst = [_largest(solved, f"error {error}") for error in ("pressure_l2", "traction_l2", "dissipated_energy")]
         numbers = [
             len(cases),
-            *(count[o] for o in COLOURS),
+            *(count[o] for o in OUTCOMES),
             f"{mean:.1f}",
             sum(c["cuts"] for c in solved),
             *worst,
@@ -109,17 +101,16 @@ def picture(path: Path, rows: list[dict]):
     figure, (left, right) = plt.subplots(
         1, 2, figsize=(11, height), sharey=True, layout="constrained", width_ratios=(3, 2)
     )
-    markers = {GREEN: "o", REFUSED: "s", FAILING: "v", FAILED: "^", UNJUDGED: "D", WRONG: "X"}
     for place, cases in enumerate(studies.values()):
         for number, case in enumerate(cases):
-            outcome = case["outcome"]
-            left.plot(number + 1, place, markers[outcome], color=COLOURS[outcome], ms=6)
+            colour, marker, _ = OUTCOMES[case["outcome"]]
+            left.plot(number + 1, place, marker, color=colour, ms=6)
             if "iterations" in case:
                 mean = case["iterations"] / case["increments"]
-                right.plot(mean, place, markers[outcome], color=COLOURS[outcome], ms=5, alpha=0.6)
-    for outcome, marker in markers.items():
+                right.plot(mean, place, marker, color=colour, ms=5, alpha=0.6)
+    for outcome, (colour, marker, meaning) in OUTCOMES.items():
         count = sum(row["outcome"] == outcome for row in rows)
-        left.plot(np.nan, np.nan, marker, color=COLOURS[outcome], label=f"{MEANING[outcome]}: {count}")
+        left.plot(np.nan, np.nan, marker, color=colour, label=f"{meaning}: {count}")
     left.set_yticks(range(len(studies)), studies)
     left.invert_yaxis()
     left.set(xlabel="case of the study [–]", title="How each case ended")
