@@ -60,11 +60,7 @@ def work_precision(rows):
         return None
     figure, axes = plt.subplots(1, len(QUANTITIES), figsize=(13, 3.6), sharey=True, layout="constrained")
     for axis, (quantity, name) in zip(axes, QUANTITIES.items()):
-        for problem, line in lines.items():
-            points = [(row["cpu_s"], max(row[quantity], FLOOR)) for row in line if row.get(quantity, "") != ""]
-            if points:
-                colour, marker, label = UNCOUPLED[problem]
-                axis.loglog(*zip(*points), marker + "-", color=colour, label=label)
+        _against_seconds(axis, lines, UNCOUPLED, quantity)
         axis.set(title=name, xlabel="CPU time [s]")
     axes[0].set_ylabel("relative error [-]")
     handles, labels = max((axis.get_legend_handles_labels() for axis in axes), key=lambda pair: len(pair[0]))
@@ -79,10 +75,7 @@ def coupled(rows):
         return None
     figure, axes = plt.subplots(1, 2, figsize=(9, 4.2), sharey=True, layout="constrained")
     for axis, quantity in zip(axes, ("traction_of_states", "dissipated_energy")):
-        for problem, line in lines.items():
-            colour, marker, label = WITH_COUPLING[problem]
-            points = [(row["cpu_s"], max(row[quantity], FLOOR)) for row in line]
-            axis.loglog(*zip(*points), marker + "-", color=colour, label=label)
+        _against_seconds(axis, lines, WITH_COUPLING, quantity)
         axis.set(xlabel="CPU time of the whole loop [s]")
     axes[0].set(title="q, worst state of the cycle", ylabel="relative error [-]")
     axes[1].set(title="energy of the cycle")
@@ -185,6 +178,15 @@ def pareto(rows):
     axis.set(xlabel="CPU time of the whole loop [s]", ylabel="largest of the errors of p, q, slip, a, c, ΔW [-]")
     figure.legend(loc="outside lower center", ncols=2, fontsize=8)
     return figure
+
+
+def _against_seconds(axis, lines, problems, quantity):
+    """A quantity of the ``_lines`` of these problems, where it is known."""
+    for problem, line in lines.items():
+        points = [(row["cpu_s"], max(row[quantity], FLOOR)) for row in line if row.get(quantity, "") != ""]
+        if points:
+            colour, marker, label = problems[problem]
+            axis.loglog(*zip(*points), marker + "-", color=colour, label=label)
 
 
 def _lines(rows, problems):
