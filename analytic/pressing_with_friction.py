@@ -9,7 +9,7 @@ where K = y0^k/E0, and p_1 and u_1 belong to the punch of half-width 1 and load 
 proportional to x|x|^(m-1) where it sticks.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -19,7 +19,7 @@ from .half_plane.surface_kernel import PowerLawKernel
 from .material import GradedHalfPlane
 from .profile import PowerProfile
 from .punch_fields import PunchFields
-from .punch_with_friction import COARSE, TERMS, Medium, punch_with_friction
+from .punch_with_friction import TERMS, Medium, punch_with_friction
 
 
 @dataclass(frozen=True)
@@ -72,24 +72,6 @@ class PressingWithFriction:
         m, scale = self.profile.m, self._compliance * self._density**2
         work = abs(self._drag) * self._fields.slip_work(self.power) / (2 * m + self.solid.k)
         return 2 * self.mu * scale * work * self.contact_half_width ** (2 * m + self.solid.k)
-
-    @cached_property
-    def error(self):
-        """Largest change with the resolution: of c/a, a and energy by their size, of p, q, h_x by their maxima.
-
-        The fields count from 0.02 a to 0.98 a. For k < 0 and strong friction the error of q, which vanishes at 0, is up
-        to ten times as large nearer to 0.
-        """
-        coarse = replace(self, terms=min(COARSE, self.terms - 2))
-        x = np.linspace(0.02, 0.98, 25)
-        changes = [abs(self.stick_ratio - coarse.stick_ratio)]
-        for name in ("contact_half_width", "dissipated_energy"):
-            mine, other = getattr(self, name), getattr(coarse, name)
-            changes.append(abs(mine - other) / mine if mine else 0.0)
-        for name in ("pressure", "traction", "slip"):
-            mine, other = (getattr(c, name)(x * c.contact_half_width) for c in (self, coarse))
-            changes.append(np.max(np.abs(mine - other)) / (np.max(np.abs(mine)) or 1.0))
-        return float(max(changes))
 
     # -- fields ------------------------------------------------------------------------------------
 
