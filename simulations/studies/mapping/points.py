@@ -6,7 +6,6 @@ and all lengths go with it, slips and energies with a^m: with or without couplin
 
 from dataclasses import dataclass
 from functools import cache
-from math import pi
 
 import numpy as np
 from scipy.optimize import minimize_scalar
@@ -14,6 +13,7 @@ from scipy.optimize import minimize_scalar
 from analytic import GradedHalfPlane, PowerProfile, ProfileContact, normal_contact
 
 from ..loops import simulate
+from ..paper.setting import load
 
 
 @dataclass(frozen=True)
@@ -42,11 +42,6 @@ def depth_factors(k: float, m: float, y0_over_a0) -> tuple[np.ndarray, np.ndarra
     """By what (energy, peak density) at y0 = a0 are to be multiplied at another depth, any shape."""
     widening = np.asarray(y0_over_a0, dtype=float) ** (k / (m + k))
     return widening**m, widening ** (m - 1)
-
-
-def load(nu: float) -> float:
-    """P for which the parabola f = x²/2 on a homogeneous half-plane with E0 = 1 has a0 = 1, (57)."""
-    return pi / (4 * (1 - nu**2))
 
 
 @cache

@@ -1,14 +1,12 @@
 """Sentences of Section 5 that the closed forms decide: Figures 4-9 and the homogeneous limit."""
 
-from math import pi
-
 import numpy as np
 from scipy.integrate import quad
 from scipy.optimize import minimize_scalar
 
 from .claim import FAILS, UNCHECKED, Claim, verdict
 from .energies import curve
-from .setting import DEPTHS, MU, NU, SHARES, contact
+from .setting import DEPTHS, MU, NU, SHARES, contact, load
 
 RATIOS = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5)  # of Poisson, over which a statement is tried
 AMPLITUDES = np.linspace(0.05, 0.95, 19)
@@ -223,7 +221,7 @@ def homogeneous_limit() -> Claim:
 def homogeneous_integral() -> Claim:
     """8 ∫ q h_x by quadrature of the printed (53) and (54), P from (57), c from (58)."""
     worst = 0.0
-    P, E = pi / (4 * (1 - NU**2)), 1.0  # a0 = R = 1
+    P, E = load(NU), 1.0  # a0 = R = 1
     for share in SHARES:
         c = np.sqrt(1 - share)
 

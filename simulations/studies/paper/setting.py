@@ -27,10 +27,15 @@ class Units:
     energy: float
 
 
+def load(nu: float) -> float:
+    """P for which the parabola f = x²/2 on a homogeneous half-plane with E0 = 1 has a0 = 1, (57)."""
+    return pi / (4 * (1 - nu**2))
+
+
 def contact(k: float, y0_over_a0: float, nu: float = NU) -> CylinderContact:
     """The cylinder on a half-plane in units in which a0 = R = E0 = 1."""
     solid = GradedHalfPlane(E0=1.0, nu=nu, k=k, y0=y0_over_a0)
-    return CylinderContact(solid, R=1.0, P=pi / (4 * (1 - nu**2)))  # (57) with a0 = 1
+    return CylinderContact(solid, R=1.0, P=load(nu))
 
 
 def homogeneous_units(normal: CylinderContact) -> Units:
