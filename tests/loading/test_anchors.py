@@ -130,55 +130,29 @@ def test_first_contact_starts_in_the_middle_under_a_power():
     assert anchors == pytest.approx(-0.5 * X * np.abs(X) ** 2, abs=1e-12)
 
 
-def test_points_that_stop_lie_on_the_curve_that_the_edge_of_stick_has_drawn():
-    """A quadratic curve is known from where points stuck already, and from the point at the edge."""
-    curve = X * np.abs(X)
+STOPPED, ISLAND = (np.abs(X) > 0.4) & (np.abs(X) <= 0.6), np.argmin(np.abs(np.abs(X) - 0.5))
+LATER = {  # a curve, and what else the surface after the load step has, which does not matter: where, and what
+    "points that stop are anchored elsewhere": (X * np.abs(X), "s", STOPPED, 9.0),
+    # the curve goes on with the slope that it had: a parabola through three points would not do
+    "points behind have slid on": (X**3, "s", np.abs(X) < 0.37, X**3 + 0.1),
+    # else what stops would stay where it is, and q would have a spike
+    "points stick at the edge of contact": (X * np.abs(X), "states", np.abs(np.abs(X) - 0.9875) < 0.02, CLOSED),
+    # because of where it was anchored: left there, it and all further inside would never be anchored
+    "a point slides on to the right": (X * np.abs(X), "states", X == X[ISLAND], FORWARD),
+    "a point slides on to the left": (X * np.abs(X), "states", X == X[ISLAND], BACKWARD),
+}
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+@pytest.mark.parametrize("curve, field, where, value", LATER.values(), ids=LATER)
+def test_points_that_stop_lie_on_the_curve_that_the_edge_of_stick_has_drawn(curve, field, where, value, side):
+    """It is known from where points stuck already, and from the point at the edge."""
     before, after = touching(0.8, s=curve, stick=0.4), touching(1.0, s=curve, stick=0.6)
-    after.s[(np.abs(X) > 0.4) & (np.abs(X) <= 0.6)] = 9.0  # where they are anchored now does not matter
-    for side in (-1, 1):
-        points, anchors, start = anchors_of_stopped(X, before, after, side, curve, 0.0)
-        assert start == 0.0
-        assert np.array_equal(np.sort(points), np.flatnonzero((side * X > 0.4) & (side * X <= 0.6)))
-        assert anchors == pytest.approx(curve[points], abs=1e-12)
-
-
-def test_the_curve_goes_on_without_a_kink_though_points_behind_have_slid_on():
-    """From where it was drawn before, with the slope that it had there, through the point at the edge.
-
-    With its third derivative the curve is known, so that a parabola through three of its points would not do. Those
-    that stopped before, and slide again, are left out by where they stopped.
-    """
-    curve = X**3
-    before, after = touching(0.8, s=curve, stick=0.4), touching(1.0, s=curve, stick=0.6)
-    after.s[np.abs(X) < 0.37] += 0.1
-    for side in (-1, 1):
-        points, anchors, _ = anchors_of_stopped(X, before, after, side, curve, 0.0)
-        assert len(points) == np.count_nonzero((X > 0.4) & (X <= 0.6))
-        assert anchors == pytest.approx(curve[points], abs=1e-12)
-
-
-def test_points_that_stick_at_the_edge_of_contact_do_not_end_the_curve():
-    """One or two of them, beyond those that slide: else what stops would stay where it is, and q would have a spike."""
-    curve = X * np.abs(X)
-    before, after = touching(0.8, s=curve, stick=0.4), touching(1.0, s=curve, stick=0.6)
-    after.states[np.abs(np.abs(X) - 0.9875) < 0.02] = CLOSED
-    for side in (-1, 1):
-        points, anchors, _ = anchors_of_stopped(X, before, after, side, curve, 0.0)
-        assert np.array_equal(np.sort(points), np.flatnonzero((side * X > 0.4) & (side * X <= 0.6)))
-        assert anchors == pytest.approx(curve[points], abs=1e-12)
-
-
-def test_a_point_that_slides_still_among_those_that_stop_is_on_their_curve():
-    """It slides because it was anchored elsewhere: left there, it and all further inside would never be anchored."""
-    curve = X * np.abs(X)
-    before, after = touching(0.8, s=curve, stick=0.4), touching(1.0, s=curve, stick=0.6)
-    island = np.argmin(np.abs(np.abs(X) - 0.5))
-    for state in (FORWARD, BACKWARD):
-        after.states[island] = state
-        for side in (-1, 1):
-            points, anchors, _ = anchors_of_stopped(X, before, after, side, curve, 0.0)
-            assert np.array_equal(np.sort(points), np.flatnonzero((side * X > 0.4) & (side * X <= 0.6)))
-            assert anchors == pytest.approx(curve[points], abs=1e-12)
+    getattr(after, field)[where] = np.broadcast_to(value, X.shape)[where]
+    points, anchors, start = anchors_of_stopped(X, before, after, side, curve, 0.0)
+    assert start == 0.0
+    assert np.array_equal(np.sort(points), np.flatnonzero(STOPPED & (side * X > 0)))
+    assert anchors == pytest.approx(curve[points], abs=1e-12)
 
 
 def test_points_that_stop_as_the_load_turns_back_stay():
