@@ -25,35 +25,30 @@ def shape(m: float) -> str:
 
 def over_depth(found: dict[Point, Energies], shown: list[tuple[float, float]], title: str, note: str):
     """Energy (top) and peak density (bottom) over k and y0/a0; shown: (m, amplitude) by column."""
-    figure, axes = panels(len(shown), title, note, rows=2, width=4.3, height=3.7)
-    for column, (m, amplitude) in enumerate(shown):
-        for row, quantity in enumerate(NAMES):
-            k = sorted({p.k for p in found if (p.m, p.amplitude) == (m, amplitude)})
-            table = [_row(ratios(found, quantity, m, amplitude, y), k) for y in DEPTHS]
-            filled = _fill(axes[row, column], k, DEPTHS, np.array(table))
-            axes[row, column].set(yscale="log", xlabel="exponent $k$ [–]")
-            axes[row, column].set_title(rf"{shape(m)}, $Q_A = {amplitude:g}\,\mu P$")
-        axes[0, column].set_ylabel("depth $y_0/a_0$ [–]")
-        axes[1, column].set_ylabel("depth $y_0/a_0$ [–]")
-    for row, quantity in enumerate(NAMES):
-        _bar(figure, filled, axes[row], f"{NAMES[quantity]} / homogeneous [–]")
-    return figure
+    names = [rf"{shape(m)}, $Q_A = {amplitude:g}\,\mu P$" for m, amplitude in shown]
+    columns = [[(m, amplitude, y) for y in DEPTHS] for m, amplitude in shown]
+    words = {"yscale": "log", "ylabel": "depth $y_0/a_0$ [–]"}
+    return _ratios_over(found, dict(zip(names, columns)), DEPTHS, title, note, **words)
 
 
 def over_amplitude(found: dict[Point, Energies], m: float, depths: tuple[float, ...], title: str, note: str):
     """Energy (top) and peak density (bottom) over k and Q_A/(mu P), a column a depth."""
-    figure, axes = panels(len(depths), title, note, rows=2, width=4.3, height=3.7)
     amplitudes = sorted({p.amplitude for p in found if p.m == m})
-    k = sorted({p.k for p in found if p.m == m})
-    for column, depth in enumerate(depths):
-        for row, quantity in enumerate(NAMES):
-            table = [_row(ratios(found, quantity, m, amplitude, depth), k) for amplitude in amplitudes]
-            filled = _fill(axes[row, column], k, amplitudes, np.array(table))
-            axes[row, column].set(
-                xlabel="exponent $k$ [–]", ylabel=r"amplitude $Q_A/(\mu P)$ [–]", title=rf"$y_0 = {depth:g}\,a_0$"
-            )
-    for row, quantity in enumerate(NAMES):
-        _bar(figure, filled, axes[row], f"{NAMES[quantity]} / homogeneous [–]")
+    columns = {rf"$y_0 = {depth:g}\,a_0$": [(m, amplitude, depth) for amplitude in amplitudes] for depth in depths}
+    return _ratios_over(found, columns, amplitudes, title, note, ylabel=r"amplitude $Q_A/(\mu P)$ [–]")
+
+
+def _ratios_over(found, columns, y, title, note, **axis_words):
+    """Over k and y (n,); columns: (m, amplitude, depth) (n,) by their name."""
+    figure, axes = panels(len(columns), title, note, rows=2, width=4.3, height=3.7)
+    for pair, (name, places) in zip(axes.T, columns.items(), strict=True):
+        k = sorted({p.k for p in found if any((p.m, p.amplitude) == place[:2] for place in places)})
+        for axis, quantity in zip(pair, NAMES, strict=True):
+            table = [_row(ratios(found, quantity, *place), k) for place in places]
+            filled = _fill(axis, k, y, np.array(table))
+            axis.set(xlabel="exponent $k$ [–]", title=name, **axis_words)
+    for row, words in zip(axes, NAMES.values(), strict=True):
+        _bar(figure, filled, row, f"{words} / homogeneous [–]")
     return figure
 
 
