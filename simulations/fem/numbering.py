@@ -17,14 +17,15 @@ class Numbering:
     def __init__(self, body: ElasticBody, x: np.ndarray, s: np.ndarray):
         self.body, self.comm, self.vertices = body, body.mesh.comm, (x, s)
         self.cells = (len(s) - 1) * (len(x) - 1)
-        self._x, self._s = (_with_nodes_between(nodes, body.degree) for nodes in (x, s))
+        # LOBATTO has the nodes where dolfinx has them
+        self._x, self._s = (with_nodes_between(nodes, LOBATTO[body.degree][0]) for nodes in (x, s))
         self.shape = len(self._s), len(self._x)
         node = _number(body.displacements.tabulate_dof_coordinates(), self._x, self._s)
         index, place = body.dofs.ravel(), (2 * node[:, None] + np.arange(2)).ravel()
         self.size = 2 * len(self._s) * len(self._x)
         if body.mixed:
             space, inside = body.space.sub(1).collapse()
-            grid = [_with_nodes_between(nodes, body.degree - 1) for nodes in (x, s)]
+            grid = [with_nodes_between(nodes, LOBATTO[body.degree - 1][0]) for nodes in (x, s)]
             index = np.append(index, inside)
             place = np.append(place, self.size + _number(space.tabulate_dof_coordinates(), *grid))
             self.size += len(grid[0]) * len(grid[1])
@@ -96,8 +97,8 @@ class Numbering:
         return whole
 
 
-def _with_nodes_between(vertices, degree):
-    shares, _ = LOBATTO[degree]  # where dolfinx has its nodes
+def with_nodes_between(vertices, shares) -> np.ndarray:
+    """Nodes at these shares of the way from each of the vertices to the next, and the last vertex."""
     nodes = vertices[:-1, None] + np.array(shares) * np.diff(vertices)[:, None]
     return np.append(nodes.ravel(), vertices[-1])
 

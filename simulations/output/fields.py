@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from ..fem.body_sample import BodySample, BodySampler, gauss
-from ..fem.numbering import Numbering
+from ..fem.numbering import Numbering, with_nodes_between
 from ..loading.schedule import LoadStep, load_parameter
 from ..scene.output import NORMAL, Output
 from ..scene.scaling import Scaled
@@ -139,10 +139,5 @@ class FieldWriter:
 
 def _nodes(sample: BodySample):
     """Columns and depths of nodes at equal distances in the straight cells of the physical mesh."""
-
-    def with_nodes(vertices):
-        shares = np.arange(sample.degree) / sample.degree
-        inner = vertices[:-1, None] + shares * np.diff(vertices)[:, None]
-        return np.append(inner.ravel(), vertices[-1])
-
-    return with_nodes(sample.x), with_nodes(sample.depth.y(sample.s))
+    shares = np.arange(sample.degree) / sample.degree
+    return [with_nodes_between(vertices, shares) for vertices in (sample.x, sample.depth.y(sample.s))]
