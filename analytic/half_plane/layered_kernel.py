@@ -21,6 +21,8 @@ RTOL, ATOL = 1e-11, 1e-13
 BESIDE_JUMP = 1e-13  # relative distance to a jump of E at which its side is certain
 NEAREST = 1e-12  # over the wavenumber: depth at which the integration ends, in the regular depth variable
 PER_DECADE, SOURCES_PER_DECADE = 20, 10
+# wavenumbers below the others, over the least of them: without them D is off in proportion to the distance
+LONG_WAVES = np.geomspace(0.01, 1, 11)[:-1]
 CUTOFF = 1e-9  # of the singular values: smaller ones only make strong sources that cancel
 LARGEST_MISFIT, LARGEST_AT_SURFACE = 1e-5, 0.02
 TABLE = 400  # points of the tabulated smooth part
@@ -100,7 +102,7 @@ class LayeredKernel:
         """Depths h and strengths a of ω ΔC = Σ a e^(-ωh), columns N, T, D; and the misfit."""
         low, high = 0.01 / self.largest, 3 / self.smallest
         decades = np.log10(high / low)
-        omega = np.geomspace(low, high, int(PER_DECADE * decades))
+        omega = np.append(low * LONG_WAVES, np.geomspace(low, high, int(PER_DECADE * decades)))
         power, whole = self.power_law.compliance(omega), self.compliance(omega)
         difference = whole - np.stack([power[0].real, power[1].real, power[2].imag])
         left = np.abs(difference[:, -1]).max() / np.abs(power[1, -1])
@@ -110,6 +112,7 @@ class LayeredKernel:
                 "E(y) does not follow it at the surface, or ``smallest`` is too large"
             )
         h = np.geomspace(0.1 / high, 10 / low, int(SOURCES_PER_DECADE * (decades + 2)))
+        h = np.append(h, 10 / (low * LONG_WAVES))
         target = (omega * difference)[[1, 0, 2]].T
         strength, *_ = np.linalg.lstsq(np.exp(-omega[:, None] * h), target, rcond=CUTOFF)
         misfit = np.abs(np.exp(-omega[:, None] * h) @ strength - target).max(axis=0)

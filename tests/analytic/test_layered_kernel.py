@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 
 from analytic import CylinderContact, GradedHalfPlane, PowerProfile
 from analytic.half_plane.interpolation import Edges, adapted
@@ -66,6 +67,20 @@ def test_surface_displacement_of_a_smooth_traction(name):
     # u of a tangential traction: u_x even, u_y = -D * q odd, and D is minus the sine transform of Im C_xy
     assert u_y[half + shift] - u_y[half] == pytest.approx(C_xx, rel=2e-5)
     assert u_x[half + shift] == pytest.approx(C_xy, rel=2e-5, abs=2e-5 * abs(C_xx))
+
+
+@pytest.mark.parametrize("ratio", [0.2, 5.0])
+def test_coupling_as_far_as_is_asked(ratio):
+    """D at ``largest`` against its sine transform: waves far longer than ``largest`` take part in it."""
+    thickness, largest, nu = 0.3, 8.0, 0.45
+    kernel = LayeredKernel(
+        lambda y: 1.0 if y <= thickness else ratio, GradedHalfPlane(1.0, nu, 0.0, 1.0), thickness, 1e-3, largest
+    )
+    omega = np.geomspace(1e-7, 40 / thickness, 400)
+    far = CubicSpline(np.log(omega), omega * (kernel.compliance(omega)[2] - kernel.power_law.compliance(omega)[2].imag))
+    t = np.linspace(np.log(omega[0]), np.log(omega[-1]), 100001)
+    expected = -(t[1] - t[0]) * np.sum(far(t) * np.sin(np.exp(t) * largest)) / np.pi
+    assert kernel.smooth(np.array([largest]))[2, 0] == pytest.approx(expected, abs=1e-3 * abs(kernel.power_law.d))
 
 
 def test_contact_on_the_power_law_as_any_other_profile():
