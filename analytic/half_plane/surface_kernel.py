@@ -87,9 +87,9 @@ class PowerLawKernel:
     def _scaled(self, even, odd, scale, out):
         normal, tangential, coupling = self._factors
         even = even * scale
-        np.multiply(even, normal, out=out[0])
-        np.multiply(even, tangential, out=out[1])
-        np.multiply(odd * scale, coupling, out=out[2])
+        np.multiply(even, normal, out=out[0, ...])
+        np.multiply(even, tangential, out=out[1, ...])
+        np.multiply(odd * scale, coupling, out=out[2, ...])
         return out
 
     def compliance(self, wavenumber):

@@ -102,6 +102,13 @@ def test_antiderivatives(k):
     assert F[0, 2, 0] == pytest.approx(float(exact) * kernel.d / 2.0, rel=1e-10)
 
 
+@pytest.mark.parametrize("k", [-0.4, 0.0, 0.5])
+def test_kernel_at_one_distance(k):
+    kernel = PowerLawKernel(GradedHalfPlane(2.0, 0.2, k, 0.5))
+    assert np.all(kernel.values(0.3) == kernel.values(np.array([0.3]))[:, 0])
+    assert np.all(kernel.antiderivatives(0.3) == kernel.antiderivatives(np.array([0.3]))[..., 0])
+
+
 @pytest.mark.parametrize("k", [-0.9, 0.0, 0.9])
 def test_element_moments_near_and_far(k):
     """Elements from 1e-7 to 1 long against adaptive quadrature, from beside and far away."""
