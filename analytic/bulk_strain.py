@@ -49,7 +49,7 @@ class StretchedPartialSlip:
         return self._direction * self.strain * contact.R / (self.state.mu * contact.solid.alpha)
 
     def traction(self, x):
-        """q(x) = mu [p(x, a) - p(x - e, c)] [stress], [X7]."""
+        """Tangential traction [stress], q(x) = mu (p(x, a) - p(x - e, c)), [X7]."""
         contact, mu = self.contact, self.state.mu
         x, e, c, width = self._broadcast(x)
         q = np.array(np.broadcast_to(contact.pressure(x), x.shape))

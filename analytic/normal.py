@@ -134,7 +134,7 @@ class ProfileContact:
 
         Punches (27)-(31) of half-widths s' < s" do the work D (s'^-k - s"^-k)/k on each other, by
         reciprocity, where D = (bk) y0^k/E0 Γ((2+k)/2)Γ((1-k)/2)/√π. By parts their sum becomes
-        4 D ∫_s^a [P(a) - P(s')] [P(s') - P(s)] s'^(-k-1) ds'.
+        4 D ∫_s^a (P(a) - P(s')) (P(s') - P(s)) s'^(-k-1) ds'.
         """
         k, added = self.solid.k, self._added(log_ratio)
         t, rest, weight = plain_rule(1.0, 1.0, ENERGY_NODES)

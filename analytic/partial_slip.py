@@ -87,7 +87,7 @@ class PartialSlip:
         return np.exp(self.log_ratio)
 
     def traction(self, x):
-        """Tangential traction q(x) = mu [p(x,a) - p(x,c)] [stress], (33), (47)."""
+        """Tangential traction [stress], q(x) = mu (p(x,a) - p(x,c)), (33), (47)."""
         return self._direction * self.mu * self.contact.pressure_difference(x, self.log_ratio)
 
     def traction_within(self, x):
@@ -96,7 +96,7 @@ class PartialSlip:
         return self._direction * self.mu * difference
 
     def slip(self, x):
-        """Slip h_x(x) = mu alpha [f(x) - h_y(x,c)] [length], zero in the stick zone, (36), (50).
+        """Slip [length], h_x(x) = mu alpha (f(x) - h_y(x,c)), zero in the stick zone, (36), (50).
 
         For |x| > a it is the displacement of the free surface relative to the stick zone, (21),
         with h_y(x,a) in place of f.

@@ -1,5 +1,6 @@
 """The code itself: style, types, one version, and files that belong to a package."""
 
+import ast
 import re
 import shutil
 import subprocess
@@ -35,6 +36,15 @@ def test_the_version_is_in_one_place():
     assert re.fullmatch(r"\d+\.\d+\.\d+", version)
     assert f"\nversion: {version}\n" in (ROOT / "CITATION.cff").read_text()
     assert f"## {version}" in (ROOT / "CHANGELOG.md").read_text()
+
+
+def test_brackets_of_docstrings_are_no_links():
+    """Markdown takes ``[a] [b]`` for a link to b, and `mkdocs build --strict` ends with an error. Code is indented."""
+    for path in (path for room in ("analytic", "forms", "simulations") for path in (ROOT / room).rglob("*.py")):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef)):
+                lines = (ast.get_docstring(node) or "").splitlines()
+                assert not [line for line in lines if not line.startswith("    ") and "] [" in line], path
 
 
 def test_importing_the_package_loads_no_solver():
