@@ -91,11 +91,12 @@ def stretched(schedule: list[LoadStep], strain: float, phase: float | str = 0.0)
 
 def visiting(start: Load, points: list[Load], steps: int) -> list[LoadStep]:
     """Straight from point to point, ``steps`` each; pressing goes on while Q has not moved yet."""
-    schedule, branch = [], "normal"
+    schedule, branch, direction = [], "normal", 0
     for number, point in enumerate(points, start=1):
         if point.Q != 0:
             branch = "path"
-        direction = int(np.sign(point.Q - start.Q))
+        if not start.is_near(point):  # a dwell is no turn
+            direction = int(np.sign(point.Q - start.Q))
         for z in np.arange(1, steps + 1) / steps:
             schedule.append(LoadStep(start.towards(point, z), branch, direction=direction))
         # the point to its last digit: without coupling nothing enters contact while P stays
@@ -105,9 +106,9 @@ def visiting(start: Load, points: list[Load], steps: int) -> list[LoadStep]:
 
 
 def pressed_first(schedule: Sequence[LoadStep]) -> int:
-    """How many load steps, from the first, do nothing but press further."""
+    """How many load steps, from the first, do nothing but press further, or dwell."""
     loads = [NO_LOAD, *(step.load for step in schedule)]
-    others = (n for n, (a, b) in enumerate(zip(loads, loads[1:])) if b.P <= a.P or any(b[1:]))
+    others = (n for n, (a, b) in enumerate(zip(loads, loads[1:])) if any(b[1:]) or b.P < a.P and not b.is_near(a))
     return next(others, len(schedule))
 
 

@@ -184,11 +184,13 @@ class LoadStepping:
     def _advance(self, before: Load, step: LoadStep, depth: int = 0) -> int:
         """Solve a step, in two halves should every way fail; returns the number of halvings."""
         saved, after = present_state.save(self.system), step.load
+        # at a dwell anchors stay: changes of them have no motion to be measured by
+        moves = self.problem.friction and not before.is_near(after)
         # without coupling and with P as it was no edge of contact moves
-        enters = self.problem.friction and not (self._is_uncoupled and before.P == after.P)
+        enters = moves and not (self._is_uncoupled and before.P == after.P)
         tried = self._with_entering_points(before, after) if enters else self._solve(after)
         if tried[-1].converged:
-            if self.problem.friction:
+            if moves:
                 self.problem.memory.come_to_rest()
             if enters:
                 self.entering.end()

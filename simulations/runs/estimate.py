@@ -21,7 +21,6 @@ from .simulation import Simulation
 COARSER_MESH = 2.0  # times the fineness
 TOO_COARSE = "more solver.increments or a smaller solver.accuracy may help"
 FIRST_ORDER = 2.0  # an error like the load step is twice what half of that step changes
-SAME_LOAD = 1e-9  # of P: loads that are closer are one
 WELL_KNOWN = 0.3  # of the accuracy asked for: a reference whose own error is larger measures none
 
 
@@ -183,4 +182,4 @@ def _at_same_loads(history: History, finer: History) -> Iterator[Entry]:
     """For each entry of a history that of one with more load steps, in order."""
     entries = iter(finer.entries)
     for entry in history.entries:
-        yield next(e for e in entries if np.allclose(e.step.load, entry.step.load, rtol=0, atol=SAME_LOAD))
+        yield next(e for e in entries if entry.step.load.is_near(e.step.load))

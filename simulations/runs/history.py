@@ -132,9 +132,10 @@ class History:
         steps = [*(entry.step for entry in self.entries), step]
         if not self.entries or self.m and pressed_first(steps) == len(steps):
             return work_of_pressing(after, self.k, self.m or PARABOLA)
-        *earlier, before = self.entries[-2:]
+        before = self.entries[-1]
+        others = (entry.surface for entry in reversed(self.entries) if not entry.step.load.is_near(before.step.load))
         edges = before.contact, contact
-        return before.work + frictional_work(before.surface, after, edges, self.k, *(e.surface for e in earlier))
+        return before.work + frictional_work(before.surface, after, edges, self.k, next(others, None))
 
     @property
     def friction(self) -> bool:

@@ -2,10 +2,9 @@
 
 import numpy as np
 
-from ..fem.load import Load
+from ..fem.load import SAME, Load
 
 FURTHEST = 3.0  # that a load may be ahead
-SAME = 1e-9  # of P: loads this close are equal
 
 
 class LastSteps:
@@ -29,7 +28,7 @@ class LastSteps:
 
     def stays(self, load: Load) -> bool:
         """Whether ``load`` is that of the last step."""
-        return bool(self._kept) and np.allclose(load, self._kept[-1][0], rtol=0, atol=SAME * load.P)
+        return bool(self._kept) and load.is_near(self._kept[-1][0])
 
     def turned(self, load: Load) -> bool:
         """Whether ``load`` is known to lie another way than the last step went."""

@@ -274,6 +274,22 @@ def test_a_dwell_is_no_turn_of_the_load(scene, there):
     assert dwelling[-1].surface.traction == pytest.approx(expected, abs=1e-8 * expected.max())
 
 
+@pytest.mark.parametrize("friction_first", [False, True])
+def test_a_dwell_changes_neither_work_nor_edges(friction_first):
+    """Nor what is known of pressing with friction: the steps after it press on."""
+    points = [[5e3, 0.0], [8e3, 0.0], [1e4, 1e3], [8e3, 1.5e3]]
+    scene = HOLL | {"solid.nu": 0.2, "load.mu": 0.3, "effects.friction_in_normal_stage": friction_first}
+    steps = {"solver.normal_increments": 2}
+    straight = run(scene | {"load.points": points}, 2, **steps)
+    dwelling = run(scene | {"load.points": np.repeat(points, 2, axis=0).tolist()}, 2, straight.cells, **steps)
+    for entry in straight.history.entries:
+        same = [other for other in dwelling.history.entries if np.allclose(other.step.load, entry.step.load)]
+        assert len(same) in (1, 3)
+        for other in same:
+            assert other.dissipated == pytest.approx(entry.dissipated, rel=1e-8, abs=1e-15)
+            assert (*other.contact, *other.stick) == pytest.approx((*entry.contact, *entry.stick), abs=1e-8)
+
+
 @pytest.mark.parametrize("scene", [HOLL, HOLL | {"solid.nu": 0.2}, UNCOUPLED], ids=["holl", "coupled", "uncoupled"])
 def test_a_load_to_the_left_gives_the_mirror_image(scene):
     """To the tolerance of the forces: anchors of points that stop take the same neighbours on both sides."""
