@@ -91,7 +91,7 @@ class Simulation(Plan):
         self.resumed = 0  # times
         # beside the edges of contact: the substrate's where a coating is thinner than the facets there
         k = scene.k if self.scaled.modulus.thickness > self.cells.edge_facet else 0.0
-        self.history = History(k, self.mu, indenter.order if pressing else None, self._exponents())
+        self.history = History(k, self.mu, indenter.order if pressing else None, self._exponents(k))
 
     @property
     def warnings(self) -> list[str]:
@@ -212,11 +212,11 @@ class Simulation(Plan):
     def _zigzag(self) -> float:
         return largest_zigzag(self.sampler.sample(self.solver.problem)) / ZIGZAGS
 
-    def _exponents(self):
-        """Of tractions at edges where coupling changes them, see ``History``."""
-        if "coupling" not in self.effects or not self.scene.is_power_law:
+    def _exponents(self, k):
+        """Of tractions at edges where coupling changes them, see ``History``; k: beside these edges."""
+        if "coupling" not in self.effects:
             return None
-        solid = self.scaled.solid
+        solid = replace(self.scaled.solid, k=k)
         return partial(edge_exponents, solid.k, solid.bk, PowerLawKernel(solid).d)
 
     def _far_field(self):

@@ -66,6 +66,16 @@ def test_a_thick_coating_is_the_power_law():
     assert off[1] < off[0] / 4
 
 
+def test_edges_are_read_with_the_powers_that_coupling_gives_at_the_surface():
+    """A coating as stiff as its substrate has the edges of the homogeneous body; else a is off by 1e-3, c by 3e-3."""
+    coating = SCENE.format(modulus="linear", more="E_substrate = 210e9", thickness=1.0)
+    plain = SCENE.format(modulus="homogeneous", more="", thickness="").replace("thickness_over_a0 = ", "")
+    whole = solved(plain, **MEDIUM, load__mu=0.6)
+    coated = solved(coating, whole.cells, **MEDIUM, load__mu=0.6)
+    for one, other in zip(coated.history.entries[1:], whole.history.entries[1:], strict=True):
+        assert (*one.contact, *one.stick) == pytest.approx((*other.contact, *other.stick), abs=1e-4)
+
+
 def test_edges_in_facets_thicker_than_the_coating_are_read_with_the_power_of_the_substrate():
     """With that of the coating, (1+k)/2, contact seemed 2 % wider."""
     text = SCENE.format(modulus="power-law coating", more="k = 0.5\ny0_over_a0 = 10.0", thickness=1e-3)
