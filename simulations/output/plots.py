@@ -197,7 +197,7 @@ def _legend(figure, simulation, lines):
     if lines:
         handles += [plt.Line2D([], [], **WORST, label=f"node farthest from the {next(iter(lines))}")]
     is_graded = simulation.scene.is_power_law
-    of = "under it, without friction" if is_graded else "of a half-plane like the coating, under it"
+    of = "under it, without friction" if is_graded else "on a constant modulus $E(a)$, under it"
     note = f"$P$: the largest normal load;  $a$: contact half-width {of}" if varies or not is_graded else ""
     if history.friction:
         shown = left_out(len(_states(history)), len(_named(history)))

@@ -3,6 +3,7 @@
 import json
 import shutil
 from html.parser import HTMLParser
+from math import pi
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -18,6 +19,7 @@ from simulations.output.page_figures import DENSITY, surface
 from simulations.output.page_words import CHECKS, QUANTITIES, asked, quantity
 from simulations.runs.simulation import Simulation
 from simulations.scene import SceneError, make_scene
+from simulations.scene.solid import modulus_at
 
 
 class Page(HTMLParser):
@@ -304,3 +306,16 @@ def test_a_scene_in_words(changes, words):
 def test_numbers_with_units():
     assert [quantity(v, "m") for v in (1.04426e-3, 0.0, -2.5e-6, 0.2)] == ["1.0443 mm", "0 m", "−2.5 µm", "200 mm"]
     assert quantity(6.4408e8, "Pa", 4) == "644.1 MPa" and quantity(0.36747, "") == "0.36747"
+
+
+def test_the_unit_of_length_of_a_coated_contact_is_told(tmp_path, monkeypatch):
+    """It is the half-width of a contact on the modulus at that depth, and not on that of the surface."""
+    drawn = []
+    monkeypatch.setattr(plots, "save", lambda figure, *_: drawn.append(figure))
+    simulation = Simulation(MPI.COMM_SELF, make_scene(COARSE | COATED)).run_to_end()
+    plots.plot_run(tmp_path / "none.png", "", simulation, {})
+    scene = simulation.scene
+    a, E = scene.half_width, modulus_at(scene.material, scene.half_width)
+    assert a == pytest.approx((4 * (1 - 0.3**2) * scene.P * 0.1 / (pi * E)) ** 0.5, rel=1e-5)
+    assert a > 1.05 * scene.a0(scene.P)
+    assert "constant modulus $E(a)$" in drawn[0].legends[0].get_title().get_text()
