@@ -108,8 +108,8 @@ class LayeredKernel:
         left = np.abs(difference[:, -1]).max() / np.abs(power[1, -1])
         if left > LARGEST_AT_SURFACE:
             raise ValueError(
-                f"the compliance of short waves, 2 pi/{high:.3g}, differs by {left:.1%} from that of the power law: "
-                "E(y) does not follow it at the surface, or ``smallest`` is too large"
+                f"E(y) leaves its law at the surface at too small a depth: the compliance of waves 2 pi/{high:.3g} "
+                f"long differs by {left:.1%} from that of this law, and {LARGEST_AT_SURFACE:.0%} are allowed"
             )
         h = np.geomspace(0.1 / high, 10 / low, int(SOURCES_PER_DECADE * (decades + 2)))
         h = np.append(h, 10 / (low * LONG_WAVES))

@@ -107,7 +107,7 @@ def test_coating_between_its_limits():
 
 def test_wrong_behaviour_at_the_surface_is_found():
     kernel = LayeredKernel(lambda y: 3.0 if y < 1 else 1.0, GradedHalfPlane(2.0, 0.3, 0.0, 1.0), 1.0, 1e-3, 30.0)
-    with pytest.raises(ValueError, match="at the surface"):
+    with pytest.raises(ValueError, match="at the surface at too small a depth"):
         kernel.values(np.array([1.0]))
 
 
