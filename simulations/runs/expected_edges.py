@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from math import log
 from typing import NamedTuple
 
 import numpy as np
@@ -122,7 +123,11 @@ def expected_edges(
         assert contact is not None  # has_closed_form
         a = contact.a
         if loop is None and not scene.friction:
-            return ExpectedEdges((a,), exact=True)
+            points = [P / scene.P for P, _ in scene.load.points] if scene.is_path else [1.0]
+            edges = several([a, *(contact.half_width(log(P)) for P in points[::-1])])
+            widths = {contact.half_width(log(step.P)) for step in schedule}
+            passed = [(x, 1.0) for x in widths if all(abs(x - edge) > ONE_EDGE for edge in edges)]
+            return ExpectedEdges(edges, stops=stops_at(passed), exact=True)
         states = SpringPath(contact, scene.mu).run([(step.P, step.Q) for step in schedule])
         if loop is None:
             edges = np.array([(state.contact_half_width, state.stick_half_width) for state in states])

@@ -73,7 +73,8 @@ class Plan:
         if not self.effects.has_closed_form:
             numbers += [mu, self.scaled.elastic_compliance(scene)]
         on = tuple(name for name, verdict in self.effects.verdicts.items() if verdict.on)
-        kind = type(law), on, scene.is_loop, scene.bulk_phase
+        # of a path without friction the load steps do not tell which of them are its points
+        kind = type(law), on, scene.is_loop, scene.bulk_phase, scene.is_path and scene.solver.increments
         mesh = scene.mesh.degree, scene.mesh.edges, *scene.cell_sizes.items()
         return *kind, *mesh, *(float(f"{number:.12g}") for number in numbers)
 

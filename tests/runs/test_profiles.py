@@ -8,6 +8,7 @@ from solving import deviations, solved
 from simulations.runs import checks
 from simulations.runs.comparison import compare, compare_state
 from simulations.runs.mesh_free import MeshFree
+from simulations.runs.reference import closed_form
 from simulations.runs.simulation import Simulation
 from simulations.scene import DEFAULT_SCENE, make_scene, parse
 
@@ -97,3 +98,29 @@ def test_any_path_of_loads_with_varying_pressure(coupling):
     P = [entry.surface.line_load(entry.surface.pressure) for entry in simulation.history.entries]
     assert P == pytest.approx([step.P for step in simulation.schedule], rel=1e-8)
     assert np.ptp(P) == pytest.approx(0.4)
+
+
+@pytest.mark.parametrize("keys", ["", 'profile = "power"\nexponent = 4', 'profile = "rounded flat"\nflat = 2e-4'])
+def test_relief_without_friction_ends_in_fine_facets(keys):
+    """Contact is measured as well after relief as under the largest load: the mesh is graded to every point."""
+    text = f"""
+[solid]
+E0 = 210e9
+k = 0.3
+nu = 0.3
+y0 = 5e-3
+[indenter]
+R = 0.1
+{keys}
+[load]
+points = [[1e6, 0], [2e6, 0], [4e5, 0]]
+[mesh]
+facet = 0.1
+edge_facet = 0.01
+first_layer = 0.01
+[solver]
+increments = 2
+"""
+    simulation = Simulation(MPI.COMM_SELF, parse(text)).run_to_end()
+    found = compare(simulation.history, closed_form(simulation))
+    assert abs(found["a"]) < 1.5e-2 and found["pressure_l2"] < 5e-3
