@@ -19,7 +19,7 @@ from .report_data import Comparison
 from .simulation import Simulation
 
 COARSER_MESH = 2.0  # times the fineness
-TOO_COARSE = "more solver.increments or a smaller solver.accuracy may help"
+TOO_COARSE = "a smaller solver.accuracy may help"
 FIRST_ORDER = 2.0  # an error like the load step is twice what half of that step changes
 WELL_KNOWN = 0.3  # of the accuracy asked for: a reference whose own error is larger measures none
 
@@ -98,7 +98,8 @@ def judged(
         except (SceneError, SolveError) as reason:  # the run itself is done
             cause = f"the error is not known, as the second mesh fails: {reason}"
             return Check(float("nan"), wanted, cause), {"wanted": wanted, "is_within": False}
-    check = Check(errors.largest, wanted, "" if errors.largest <= wanted else TOO_COARSE)
+    cause = f"more solver.increments or {TOO_COARSE}" if simulation.history.friction else TOO_COARSE  # else no memory
+    check = Check(errors.largest, wanted, "" if errors.largest <= wanted else cause)
     for words in errors.in_words():
         tell(words)
     tell(f"all states, a, c and energy are {'within' if check.holds else 'NOT within'} {wanted:g}")

@@ -286,3 +286,13 @@ def test_an_accuracy_that_cannot_be_judged_fails_the_run(tmp_path):
     summary = json.loads((tmp_path / "run" / "summary.json").read_text())
     assert summary["accuracy"] == {"wanted": 0.03, "is_within": False}
     assert run_command("--resume", tmp_path / "run").returncode == 4
+
+
+def test_load_steps_are_no_advice_without_friction():
+    """Nothing depends on the loads before."""
+    relieved = "solid.E0 = 1e9\nsolid.k = -0.3\nsolid.nu = 0.3\nsolid.y0 = 0.01\nindenter.R = 0.1\n"
+    scene = parse(relieved + "load.points = [[1e4, 0], [5e3, 0]]\nsolver.accuracy = 1e-3\n")
+    simulation = simulated(scene)
+    exact = of_same_physics(simulation)
+    check, _ = estimate.judged(simulation, estimate.Errors(compare(simulation.history, exact), {"p": 0.1}, False))
+    assert not check.holds and check.cause == estimate.TOO_COARSE and "increments" not in check.cause
