@@ -3,8 +3,8 @@
 
 The family has one parameter, the fineness t: facets under the cylinder are 0.025 t half-widths, all else follows. Its
 errors are the largest of those of p, q and slip (L2 over the contact, of every state of a cycle), and of a, c and the
-energy of the cycle at its end. Without friction those of the end count, which are smaller. Coupled loops have lines of
-their own, as their edges turn at more places.
+energy of the cycle at its end. Under a single load without friction those of the end count, which are smaller. Coupled
+loops have lines of their own, as their edges turn at more places.
 """
 
 import csv
@@ -67,10 +67,12 @@ def family(fineness: float, k: float, coupled: bool = False) -> dict[str, float]
 
 
 def of_scene(load, k: float, coupled: bool) -> tuple[float, float | None, bool]:
-    """A scene as the table knows it: k, Q_A/(mu P), which is 0.9 for paths and None without friction, and whether it
-    is a loop with coupling. coupled: whether there is coupling; a power law at the Holl ratio has none.
+    """A scene as the table knows it: k, Q_A/(mu P), which is 0.9 for paths and None for a single load without
+    friction, and whether it is a loop with coupling. coupled: whether there is coupling; a power law at the Holl ratio
+    has none.
     """
-    amplitude = getattr(load, "amplitude", 0.9) if getattr(load, "mu", None) is not None else None
+    has_states = getattr(load, "mu", None) is not None or hasattr(load, "points")
+    amplitude = getattr(load, "amplitude", 0.9) if has_states else None
     return k, amplitude, coupled and hasattr(load, "amplitude")
 
 
@@ -87,7 +89,7 @@ def table(path: Path = TABLE) -> tuple[Measured, ...]:
 
 def choose(accuracy: float, k: float, amplitude: float | None = 0.9, coupled: bool = False) -> Choice:
     """The coarsest mesh whose error, with a margin, is ``accuracy``; SceneError with the best there is where none
-    is. amplitude: None without friction; coupled: whether this is a loop with coupling.
+    is. amplitude: None under a single load without friction; coupled: whether this is a loop with coupling.
     """
     levels = expected(k, amplitude, coupled)
     enough = [choice for choice in levels if choice.error <= accuracy]

@@ -16,7 +16,7 @@ from simulations.runs.checks import ChecksWarning
 from simulations.runs.comparison import compare_all
 from simulations.runs.reference import of_same_physics
 from simulations.runs.simulation import Simulation
-from simulations.scene import DEFAULT_SCENE, SceneError, accuracy, parse
+from simulations.scene import DEFAULT_SCENE, SceneError, accuracy, make_scene, parse
 from simulations.studies.costs.cases import COUPLED, cases
 from simulations.studies.costs.model import COARSE
 
@@ -65,6 +65,13 @@ def elsewhere(wanted, k, nu, mu, amplitude, coupling="false"):
 )
 def test_holds_for_scenes_that_were_not_used_to_calibrate(coupling, wanted, k, nu, mu, amplitude):
     assert largest_of_all_states(simulated(elsewhere(wanted, k, nu, mu, amplitude, coupling))) <= wanted
+
+
+def test_holds_in_every_state_of_a_path_without_friction():
+    """Where a single load is enough to choose by, the mesh of this path has 2.4e-3 after relief."""
+    keys = {"solid.k": -0.3, "solid.nu": 0.3, "load.points": [[1e4, 0], [5e3, 0], [1.5e4, 0]], "solver.accuracy": 1e-3}
+    scene = make_scene({"solid.E0": 1e9, "solid.y0": 0.01, "indenter.R": 0.1} | keys, base=None)
+    assert largest_of_all_states(simulated(scene)) <= 1e-3
 
 
 def test_more_is_expected_where_the_slip_zone_has_few_facets():
