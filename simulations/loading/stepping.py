@@ -246,26 +246,22 @@ class LoadStepping:
         return tried
 
     def _settle_anchors(self, load: Load):
-        """Renew the anchors and solve again until they stay; else end with the state that asks for least.
-
-        Where there is no answer with the new anchors the state before them stays.
+        """Renew the anchors and solve again until they stay; else, and where there is no answer with the new ones, end
+        with the state that asks for least.
         """
         options = self.options
         settled = options.anchors_settled_uncoupled if self._is_uncoupled else options.anchors_settled
-        best = None
+        best: present_state.Arrays = {}
         for solves_left in reversed(range(options.anchor_passes + 1)):
             found = present_state.save(self.system)
             if not self.entering.renew(self._clearance(), settled):
                 return
             best = found if self.entering.iteration.is_best else best
-            if not solves_left:
+            if not solves_left or not self._solve(load)[-1].converged:
                 self.entering.iteration.go_back()
-                found = best
-            elif self._solve(load)[-1].converged:
-                continue
-            present_state.restore(self.system, found)
-            self._results.append(self._newton.balance(load))
-            return
+                present_state.restore(self.system, best)
+                self._results.append(self._newton.balance(load))
+                return
 
     def _clearance(self):
         """Of the surface points; without coupling from the frictionless problem, whose state is held."""
