@@ -20,7 +20,7 @@ from .timing import Stopwatch
 # The far field is known less well where a coating is not in it, or where coupling moves the contact aside and with it
 # the line on which P acts (k = -0.5: 8 % of a, which costs 8e-3 in p at 20 a), or where bulk strain moves the traction
 # aside (k = -0.3: 5e-4 in slip and energy): it is prescribed that much further away. What a line aside adds decays like
-# distance^-(1+k), so that coupled scenes with k < 0 want more (k = -0.5, slip: 5e-4 at 100 a, 2e-4 at 200 a).
+# distance^-(1+k), so that coupled scenes with k < 0 want more (k = -0.5, slip: 4e-4 at 100 a, 1.3e-4 at 200 a).
 FARTHER = 5.0
 LARGEST_POWER = 1.43  # of the exponents 1/(1+k) that FARTHER gets: beyond 200 a tractions zigzag at k = -0.9
 STUCK_TERMS = 8  # of the exact contact pressed on with friction: 1e-5 of the displacement or better
