@@ -1,5 +1,7 @@
 """Hard cases: each cure, and that without it the case fails; refusals by name."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from mpi4py import MPI
@@ -9,7 +11,7 @@ from solving import coarse_simulation, limit_stepping, solved
 from simulations.fem import body, edge_place
 from simulations.loading import anchors, stopped_points
 from simulations.loading.fallbacks import Options
-from simulations.loading.stepping import SolveError
+from simulations.loading.stepping import LoadStepping, SolveError
 from simulations.runs import checks
 from simulations.runs import expected_edges as edges
 from simulations.runs.limits import expected_error
@@ -123,6 +125,29 @@ def test_points_that_the_next_load_step_reaches_are_in_line_with_those_passed(mo
     assert zigzags(**stuck) < checks.ZIGZAGS / 2
     monkeypatch.setattr(anchors, "BESIDE", 0)
     assert zigzags(**stuck) > checks.ZIGZAGS
+
+
+def test_a_load_step_ends_with_the_best_state_where_new_anchors_have_no_answer(monkeypatch):
+    """Here that is the first: the second asks for a larger change of anchors."""
+    scene = {"solid.k": 0.0, "solid.nu": 0.0, "load.mu": 1.0, "load.amplitude": 0.3, "solver.increments": 2}
+    entries = Simulation(MPI.COMM_SELF, make_scene(scene | {"mesh.facet": 0.1, "mesh.edge_facet": 0.01})).run()
+    next(entries), next(entries)  # pressed, and a load step
+    asks, solves, renew, solve = [], [], anchors.EnteringPoints.renew, LoadStepping._solve
+
+    def renewed(self, *arguments):
+        changes = renew(self, *arguments)
+        asks.append(self.iteration.unsettled)
+        return changes
+
+    def third_fails(self, load):
+        solves.append(load)
+        tried = solve(self, load)
+        return [replace(result, converged=result.converged and len(solves) != 3) for result in tried]
+
+    monkeypatch.setattr(anchors.EnteringPoints, "renew", renewed)
+    monkeypatch.setattr(LoadStepping, "_solve", third_fails)
+    monkeypatch.setattr(LoadStepping, "_take", LoadStepping._advance)  # its tractions zigzag: no halves here
+    assert next(entries).unsettled == asks[0] < asks[1] and len(solves) == 3
 
 
 LEADING = {"solid__k": -0.4, "solid__nu": -0.2, "load__mu": 0.4, "load__amplitude": 0.2, "solver__increments": 3}
