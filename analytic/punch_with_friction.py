@@ -16,7 +16,7 @@ from scipy.special import ellipkm1
 
 from .singular_panels import Panels
 
-TERMS, COARSE = 10, 8  # of the polynomial on a panel; for the first guess and the estimate of the error
+TERMS, COARSE = 10, 8  # of the polynomial on a panel; for the first guess
 RATIO = 0.25  # of the widths of neighbouring panels
 PANEL_AT_C = 1e-5  # width of the panels at c over that of the zone of stick or slip
 OVERSAMPLING = 4  # collocation points per panel beyond TERMS
