@@ -19,11 +19,16 @@ from .surface_kernel import PowerLawKernel
 DEPTH = 20.0  # over the wavenumber: what lies deeper is felt by e^-40
 RTOL, ATOL = 1e-11, 1e-13
 BESIDE_JUMP = 1e-13  # relative distance to a jump of E at which its side is certain
-NEAREST = 1e-12  # over the wavenumber: depth at which the integration ends, in the regular depth variable
+# over the wavenumber: depth at which the integration ends, in the regular depth variable, and in y: near |k| = 1 y is
+# no number there
+NEAREST, NEAREST_Y = 1e-12, 1e-250
+LONGEST = 0.01  # least wavenumber of the sources, over that of the largest distance
 PER_DECADE, SOURCES_PER_DECADE = 20, 10
-# wavenumbers below the others, over the least of them: without them D is off in proportion to the distance
-LONG_WAVES = np.geomspace(0.01, 1, 11)[:-1]
-CUTOFF = 1e-9  # of the singular values: smaller ones only make strong sources that cancel
+LONG_WAVES = 12  # wavenumbers at which waves are looked at that are too long for the sources
+CUTOFF = 1e-13  # of the singular values: smaller ones only make strong sources that cancel
+# of the sources, times the largest wavenumber looked at: shallower ones are free to cancel there only, and for k < 0
+# leave shorter waves a negative compliance
+SHALLOWEST = 2.0
 LARGEST_MISFIT, LARGEST_AT_SURFACE = 1e-5, 0.02
 TABLE = 400  # points of the tabulated smooth part
 
@@ -56,13 +61,16 @@ def surface_compliance(modulus, nu, wavenumber, depth, surface_exponent=0.0, bre
     homogeneous = PowerLawKernel(GradedHalfPlane(1.0, nu, 0.0, 1.0)).compliance(1.0)
     S = np.array([homogeneous[0].real, homogeneous[1].real, homogeneous[2].imag])
     ends = [bottom, *sorted((y for y in breaks if 0 < y < bottom), reverse=True), 0.0]
+    nearest = max(NEAREST, NEAREST_Y ** (1 / order))
     for start, stop in zip(ends, ends[1:], strict=False):
-        span = [max(omega * y, NEAREST**order) ** (1 / order) for y in (start, stop)]
+        span = [max((omega * y) ** (1 / order), nearest) for y in (start, stop)]
         span = [span[0] * (1 - BESIDE_JUMP), span[1] * (1 + BESIDE_JUMP)]
-        solved = solve_ivp(riccati, span, S, "DOP853", rtol=RTOL, atol=ATOL)
+        with np.errstate(over="ignore", invalid="ignore"):  # in trial steps that are refused, near |k| = 1
+            solved = solve_ivp(riccati, span, S, "DOP853", rtol=RTOL, atol=ATOL)
         if not solved.success:
             raise RuntimeError(f"wavenumber {omega:g}: the Riccati equation does not integrate: {solved.message}")
         S = solved.y[:, -1]
+    S = S - nearest * riccati(nearest, S)  # the slope is constant up to the surface
     return S / (omega * reference)
 
 
@@ -97,26 +105,31 @@ class LayeredKernel:
         found = [surface_compliance(self.modulus, self.surface.nu, w, self.depth, self.k, breaks) for w in wavenumber]
         return np.stack(found, axis=1)
 
+    def _decay(self, omega):
+        """ω C of the power law at the surface and of the body, columns N, T, Im C_xy."""
+        power = self.power_law.compliance(omega)
+        both = np.stack([power[0].real, power[1].real, power[2].imag]), self.compliance(omega)
+        return [(omega * C)[[1, 0, 2]].T for C in both]
+
     @cached_property
     def _sources(self):
         """Depths h and strengths a of ω ΔC = Σ a e^(-ωh), columns N, T, D; and the misfit."""
-        low, high = 0.01 / self.largest, 3 / self.smallest
+        low, high = LONGEST / self.largest, 3 / self.smallest
         decades = np.log10(high / low)
-        omega = np.append(low * LONG_WAVES, np.geomspace(low, high, int(PER_DECADE * decades)))
-        power, whole = self.power_law.compliance(omega), self.compliance(omega)
-        difference = whole - np.stack([power[0].real, power[1].real, power[2].imag])
-        left = np.abs(difference[:, -1]).max() / np.abs(power[1, -1])
+        omega = np.geomspace(low, high, int(PER_DECADE * decades))
+        power, whole = self._decay(omega)
+        target = whole - power
+        left = np.abs(target[-1]).max() / np.abs(power[-1, 0])
         if left > LARGEST_AT_SURFACE:
             raise ValueError(
                 f"E(y) leaves its law at the surface at too small a depth: the compliance of waves 2 pi/{high:.3g} "
                 f"long differs by {left:.1%} from that of this law, and {LARGEST_AT_SURFACE:.0%} are allowed"
             )
-        h = np.geomspace(0.1 / high, 10 / low, int(SOURCES_PER_DECADE * (decades + 2)))
-        h = np.append(h, 10 / (low * LONG_WAVES))
-        target = (omega * difference)[[1, 0, 2]].T
-        strength, *_ = np.linalg.lstsq(np.exp(-omega[:, None] * h), target, rcond=CUTOFF)
-        misfit = np.abs(np.exp(-omega[:, None] * h) @ strength - target).max(axis=0)
-        misfit = misfit / min(np.abs(omega * C).max() for C in (power[1], whole[1]))
+        shallow, deep = SHALLOWEST / high, 10 / low
+        h = np.geomspace(shallow, deep, int(SOURCES_PER_DECADE * np.log10(deep / shallow)))
+        waves, target = np.exp(-omega[:, None] * h) / whole[:, :1], target / whole[:, :1]
+        strength, *_ = np.linalg.lstsq(waves, target, rcond=CUTOFF)
+        misfit = np.abs(waves @ strength - target).max(axis=0)
         if misfit.max() > LARGEST_MISFIT:
             raise RuntimeError(
                 f"the kernel of the coated half-plane is met to {misfit.max():.1e} only, {LARGEST_MISFIT:.0e} is needed"
@@ -125,21 +138,33 @@ class LayeredKernel:
 
     @property
     def misfit(self):
-        """Largest error of ω C that the sum of sources leaves: N, T, D.
-
-        Over the largest ω C_yy, of the body or of the power law at its surface: the lesser of both.
-        """
+        """Largest error of C that the sum of sources leaves, over C_yy of the body at the same wavenumber: N, T, D."""
         return self._sources[2]
+
+    @cached_property
+    def _long_waves(self):
+        """First two moments of what the sources leave of ω ΔC below all fitted ω: columns N, T, D.
+
+        For k < 0 it grows like ω^k. Waves so long are seen as the slope that they give D and the curvature of N, T.
+        """
+        h, strength, _ = self._sources
+        s, weight = np.polynomial.legendre.leggauss(LONG_WAVES)
+        order = 1 / (1 + min(self.k, 0.0))
+        omega = LONGEST / self.largest * ((1 + s) / 2) ** order
+        power, whole = self._decay(omega)
+        left = whole - power - np.exp(-omega[:, None] * h) @ strength
+        steps = weight * order * omega / (1 + s)
+        return steps @ left, steps * omega @ left
 
     @cached_property
     def _table(self):
         """Splines of the smooth parts of N, T and D over arsinh(x/smallest)."""
-        h, strength, _ = self._sources
+        (h, strength, _), (slope, curvature) = self._sources, self._long_waves
         u = np.linspace(0, np.arcsinh(self.largest / self.smallest), TABLE)
         x = self.smallest * np.sinh(u)[:, None]
-        even = -np.log1p((x / h) ** 2) / (2 * np.pi) @ strength[:, :2]
+        even = -(np.log1p((x / h) ** 2) @ strength[:, :2] + x**2 * curvature[:2]) / (2 * np.pi)
         # C_xy is imaginary: the sine transform of D is -Im C_xy
-        odd = -np.arctan2(x, h) / np.pi @ strength[:, 2]
+        odd = -(np.arctan2(x, h) @ strength[:, 2] + x[:, 0] * slope[2]) / np.pi
         return CubicSpline(u, np.column_stack([even, odd]))
 
     def smooth(self, z):

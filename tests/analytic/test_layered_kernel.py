@@ -14,7 +14,7 @@ from analytic.half_plane.surface_kernel import PowerLawKernel
 PROFILE, MU = PowerProfile(0.5, 2.0), 0.3
 
 
-@pytest.mark.parametrize("k", [-0.5, -0.1, 0.0, 0.3, 0.8])
+@pytest.mark.parametrize("k", [-0.97, -0.5, -0.1, 0.0, 0.3, 0.8, 0.97, 0.99])
 @pytest.mark.parametrize("nu", [0.0, 0.3, 0.5])
 def test_power_law_is_recovered(k, nu):
     """The depth equations give [X6] at every wavenumber; nothing in them knows of it."""
@@ -69,18 +69,40 @@ def test_surface_displacement_of_a_smooth_traction(name):
     assert u_x[half + shift] == pytest.approx(C_xy, rel=2e-5, abs=2e-5 * abs(C_xx))
 
 
-@pytest.mark.parametrize("ratio", [0.2, 5.0])
-def test_coupling_as_far_as_is_asked(ratio):
+@pytest.mark.parametrize(
+    "modulus, k, nu, thickness",
+    [
+        (lambda y: 1.0 if y <= 0.3 else 0.2, 0.0, 0.45, 0.3),
+        (lambda y: 1.0 if y <= 0.3 else 5.0, 0.0, 0.45, 0.3),
+        (lambda y: min(y, 2.0) ** -0.8, -0.8, 0.3, 2.0),  # of the power law alone, D is 7 times as large
+    ],
+)
+def test_coupling_as_far_as_is_asked(modulus, k, nu, thickness):
     """D at ``largest`` against its sine transform: waves far longer than ``largest`` take part in it."""
-    thickness, largest, nu = 0.3, 8.0, 0.45
-    kernel = LayeredKernel(
-        lambda y: 1.0 if y <= thickness else ratio, GradedHalfPlane(1.0, nu, 0.0, 1.0), thickness, 1e-3, largest
-    )
+    largest = 8.0
+    kernel = LayeredKernel(modulus, GradedHalfPlane(1.0, nu, k, 1.0), thickness, 1e-3, largest)
     omega = np.geomspace(1e-7, 40 / thickness, 400)
-    far = CubicSpline(np.log(omega), omega * (kernel.compliance(omega)[2] - kernel.power_law.compliance(omega)[2].imag))
+    whole, power = omega * kernel.compliance(omega)[2], omega * kernel.power_law.compliance(omega)[2].imag
+    far = CubicSpline(np.log(omega), whole - power)
     t = np.linspace(np.log(omega[0]), np.log(omega[-1]), 100001)
     expected = -(t[1] - t[0]) * np.sum(far(t) * np.sin(np.exp(t) * largest)) / np.pi
+    expected -= omega[0] * largest * (whole[0] - power[0] / (1 + k)) / np.pi  # longer waves: a constant, and ω^k
     assert kernel.smooth(np.array([largest]))[2, 0] == pytest.approx(expected, abs=1e-3 * abs(kernel.power_law.d))
+
+
+@pytest.mark.parametrize("k, thickness", [(-0.8, 2.0), (-0.8, 0.3), (-0.8, 0.02), (-0.5, 2.0), (0.0, 0.3)])
+def test_short_waves_see_the_power_law_alone(k, thickness):
+    """Shorter than any that were fitted too: with a negative compliance nodes at the edges have no contact problem."""
+    ratio = 0.01  # of a soft substrate under k = 0
+    kernel = LayeredKernel(
+        lambda y: min(y, thickness) ** k if k else 1 + (ratio - 1) * min(y, thickness) / thickness,
+        GradedHalfPlane(1.0, 0.3, k, 1.0), thickness, 1e-4 * min(1.0, thickness), 8.0,
+    )
+    h, strength, _ = kernel._sources
+    omega = np.geomspace(0.3 / kernel.smallest, 1e4 / kernel.smallest, 200)
+    power = omega * kernel.power_law.compliance(omega)[:2].real
+    left = np.exp(-omega[:, None] * h) @ strength[:, [1, 0]]
+    assert np.all(np.abs(left.T) < 0.01 * power)
 
 
 def test_contact_on_the_power_law_as_any_other_profile():
