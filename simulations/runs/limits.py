@@ -251,15 +251,20 @@ def check_round_off(scene: Scene, cells: Grading, problem: ContactProblem):
     """
     attainable = OVER_ROUND_OFF * problem.terms.force_per_digit
     if attainable > ATTAINABLE:
-        thicker = cells.first_layer * (attainable / ATTAINABLE) ** (1 / (1 - scene.k))
+        left = f"round-off would leave forces of {attainable:.0e} P unbalanced ({FORCE_TOLERANCE:.0e} is the aim)"
+        factor = (attainable / ATTAINABLE) ** (1 / (1 - scene.k))
+        thickness = getattr(scene.material, "thickness", inf)
+        if thickness < cells.first_layer * scene.half_width:  # the first layer ends where the coating does
+            would = f"{rounded(factor * thickness, up=True):g} m or more would do, or the substrate without coating"
+            raise SceneError(f"solid.thickness = {thickness:.3g} m is too thin for cells of its own: {left}; {would}")
+        thicker = cells.first_layer * factor
         thicker = rounded(thicker * cells.layer_growth, up=True)  # fitted layers may be lower by this
         would = f"{thicker:g} or more would do"
         if scene.k < 0 and thicker > size_for(MOST_AT_ENDS, scene.k):
             would = "no height that the steep ends of the traction allow would do: a smaller solver.gamma0 is needed"
         raise SceneError(
             f"mesh.first_layer = {cells.first_layer:g} is too thin for k = {scene.k:g} and solver.gamma0 = "
-            f"{scene.solver.gamma0:g}: round-off would leave forces of {attainable:.0e} P unbalanced "
-            f"({FORCE_TOLERANCE:.0e} is the aim); {would}"
+            f"{scene.solver.gamma0:g}: {left}; {would}"
         )
 
 

@@ -6,6 +6,7 @@ from solving import solved
 from simulations.loading.stepping import SolveError
 from simulations.runs.comparison import compare
 from simulations.runs.mesh_free import MeshFree
+from simulations.scene import SceneError
 
 SCENE = """
 [solid]
@@ -103,3 +104,13 @@ def test_a_coating_that_is_out_of_reach_is_named():
     said = r"end of \|x\| < .*solid.thickness = 7.43e-06 m and solid.E_substrate = 1e\+04 s"
     with pytest.raises(SolveError, match=said):
         solved(text, load__cycles=0, effects__coupling="false")
+
+
+def test_a_coating_too_thin_for_its_cells_is_named():
+    """It is the coating's layer that is too thin, and no mesh.first_layer helps: the thickness that is named does."""
+    text = SCENE.format(modulus="linear", more="E_substrate = 70e9", thickness=1e-8)
+    with pytest.raises(SceneError, match=r"^solid.thickness = .* is too thin .*; (\S+) m or more would do") as refusal:
+        solved(text, load__cycles=0, effects__coupling="false")
+    would = float(str(refusal.value).split("; ")[1].split(" m ")[0])
+    text = text.replace("thickness_over_a0 = 1e-08", f"thickness = {would}")
+    solved(text, **MEDIUM, load__cycles=0, effects__coupling="false")
