@@ -90,12 +90,22 @@ def _values(simulation: Simulation, other: comparison.Reference) -> dict[str, fl
     return values
 
 
-def checked(simulation: Simulation, exact: Comparison | None) -> dict[str, Check]:
+def checked(simulation: Simulation, exact: Comparison | None = None) -> dict[str, Check]:
     """What a finished run is checked for, its errors beside what has the same physics, if there is one, among it."""
-    found = zigzags.checked(simulation)
+    height = simulation.scaled.indenter.height
+    found = checks.check(simulation.history, height, lambda: zigzags.cause(simulation))
     if exact is None:
         return found
-    return found | zigzags.checked_errors(simulation, exact.other, exact.deviations | exact.worst, exact.own)
+    return found | checked_errors(simulation, exact.other, exact.deviations | exact.worst, exact.own)
+
+
+def checked_errors(
+    simulation: Simulation, other: comparison.Reference, errors: dict[str, float], own: dict[str, float]
+) -> dict[str, Check]:
+    """What its errors beside a reference are checked for. c only in loops: elsewhere stick may have several zones."""
+    last = simulation.history.entries[-1]
+    judged = simulation.scene.is_loop and simulation.history.friction
+    return checks.check_errors(errors, own, other.stick_half_width(last) / last.a if judged else 0.0)
 
 
 def summary(simulation: Simulation, findings: Findings | None, failure: str | None = None) -> dict:

@@ -1,30 +1,14 @@
-"""Checks of a finished run, with the cause of zigzags: the critical coefficient of friction of its own mesh."""
+"""Why tractions of a finished run zigzag: the critical coefficient of friction, also that of its own mesh."""
 
 from analytic.half_plane.critical_friction import RateOperator, sliver_singular
 
 from ..solvers.condensed.system import CondensedSystem
-from .checks import Check, check, check_errors
-from .comparison import Reference
 from .critical_friction import describe, elastic_slip, expected
 from .simulation import Simulation
 
 OTHER_METHOD = "solver.theta = 0 or a larger solver.gamma0 may help"
 PLACES = 12  # of a sliver on the mesh
 MOST_NODES = 400  # surface nodes in contact for which the mesh's own bound is looked for
-
-
-def checked(simulation: Simulation) -> dict[str, Check]:
-    """What a finished run is checked for, by name; zigzags with their cause."""
-    return check(simulation.history, simulation.scaled.indenter.height, lambda: cause(simulation))
-
-
-def checked_errors(
-    simulation: Simulation, reference: Reference, errors: dict[str, float], own: dict[str, float]
-) -> dict[str, Check]:
-    """What its errors beside a reference are checked for. c only in loops: elsewhere stick may have several zones."""
-    last = simulation.history.entries[-1]
-    judged = simulation.scene.is_loop and simulation.history.friction
-    return check_errors(errors, own, reference.stick_half_width(last) / last.a if judged else 0.0)
 
 
 def critical_of_mesh(simulation: Simulation) -> float | None:

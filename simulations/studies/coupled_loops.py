@@ -16,10 +16,10 @@ from mpi4py import MPI
 from ..command.command import comm, on_root, run, say
 from ..loading.stepping import SolveError
 from ..output.files import write_table, write_text
-from ..runs import zigzags
 from ..runs.comparison import compare_all
 from ..runs.mesh_free import MeshFree
 from ..runs.reference import NoReference, of_same_physics
+from ..runs.report_data import checked
 from ..runs.simulation import Simulation
 from ..runs.step_free import StepFree
 from ..scene import SceneError, make_scene
@@ -71,7 +71,7 @@ def solve(values: Row) -> Row:
         mesh_free = len(reference.gaps), reference.lacks_energy
     row |= dict(zip(MESH_FREE, mesh_free))
     row |= dict(zip(SECONDS, (solved - start, time.process_time() - solved)))
-    checks = zigzags.checked(simulation)
+    checks = checked(simulation)
     row["zigzag"] = max(checks[name].value for name in ("pressure zigzags", "traction zigzags"))
     return row | {"fails": ", ".join(name for name, check in checks.items() if not check.holds)}
 

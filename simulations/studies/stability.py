@@ -18,11 +18,12 @@ from mpi4py import MPI
 from ..command.command import comm, on_root, run, say
 from ..loading.stepping import SolveError
 from ..output.files import write_table, write_text
-from ..runs import critical_friction, zigzags
+from ..runs import critical_friction
 from ..runs.checks import LARGE, Check, drift
 from ..runs.comparison import compare_all
 from ..runs.energy import EnergyMeter, worst_defect
 from ..runs.reference import NoReference, of_same_physics
+from ..runs.report_data import checked, checked_errors
 from ..runs.simulation import Simulation
 from ..scene import Scene, SceneError, make_scene
 from .commandline import make_folders, study_parser
@@ -104,7 +105,7 @@ def _measure(scene: Scene, every_state: bool) -> dict:
         meter.read(entry)
     history = simulation.history
     tolerance = max(entry.tolerance for entry in history.entries)
-    checks = zigzags.checked(simulation)
+    checks = checked(simulation)
     defects = {name: c.value for name, c in checks.items() if not c.holds}
     balance = worst_defect(meter.steps, ENERGY_ROUND_OFF * tolerance / ENERGY)
     if balance > (CONSISTENCY if scene.solver.theta else ENERGY):
@@ -153,7 +154,7 @@ def _errors(simulation: Simulation, every_state: bool) -> tuple[dict[str, float]
         return {}, {}
     last, worst, own = compare_all(simulation.history, reference)
     found = last | worst if every_state else last
-    return found, zigzags.checked_errors(simulation, reference, found, own)
+    return found, checked_errors(simulation, reference, found, own)
 
 
 def main(arguments: list[str]):
