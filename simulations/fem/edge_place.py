@@ -27,7 +27,7 @@ TERMS = 12  # of the sum before the rest follows from the Euler-Maclaurin formul
 
 
 def zeta(power: float, t):
-    """Hurwitz's ζ(-power, t) for t > 0 of any shape and 0 < power < 2, to 1e-9."""
+    """Hurwitz's ζ(-power, t) for t > 0 of any shape and 0 < power < 2, to 5e-9."""
     t = np.asarray(t, dtype=float)
     end = t + TERMS
     rest = -(end ** (power + 1)) / (power + 1) + end**power / 2 - power * end ** (power - 1) / 12

@@ -113,7 +113,6 @@ def _measure(scene: Scene, every_state: bool) -> dict:
     drifting = drift(history) if scene.cycles > 1 else 0.0
     if drifting > max(DRIFT, 10 * tolerance):
         defects["drift"] = drifting
-    unsettled = max(entry.residual / entry.tolerance for entry in history.entries)
     errors, beside = _errors(simulation, every_state)
     off = {name: c for name, c in beside.items() if not c.holds}
     outcome, why = GREEN, ""
@@ -132,7 +131,7 @@ def _measure(scene: Scene, every_state: bool) -> dict:
         "cuts": sum(entry.cuts for entry in history.entries),
         "residual": max(entry.residual for entry in history.entries),
         "tolerance": tolerance,
-        "residual_over_tolerance": unsettled,
+        "residual_over_tolerance": max(entry.residual / entry.tolerance for entry in history.entries),
         "energy_defect": balance,
         "drift": drifting,
         **{f"check {name}": c.value for name, c in checks.items()},

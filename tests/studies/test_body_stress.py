@@ -12,7 +12,7 @@ from simulations import fretting
 from simulations.output.body_pictures import draw
 from simulations.output.body_states import read_states
 from simulations.scene import SceneError
-from simulations.studies import body_stress as fields_panel
+from simulations.studies import body_stress
 
 
 @pytest.fixture(scope="module")
@@ -56,7 +56,7 @@ def test_a_load_step_of_pressing_has_its_number(folder, tmp_path):
 
 
 def test_panel_and_animation(folder, tmp_path):
-    fields_panel.main([str(folder), "--output", str(tmp_path), "--animate"])
+    body_stress.main([str(folder), "--output", str(tmp_path), "--animate"])
     assert (tmp_path / "body.pdf").read_bytes().startswith(b"%PDF")
     assert (tmp_path / "body.png").read_bytes().startswith(b"\x89PNG")
     assert (tmp_path / "body.gif").read_bytes().startswith(b"GIF")
@@ -65,7 +65,7 @@ def test_panel_and_animation(folder, tmp_path):
 def test_the_pictures_of_a_run_go_with_it(tmp_path):
     quick = ["--set", "load.cycles=0", "--set", "solver.increments=1", "--quiet", "--reference", "none"]
     fretting.main([*coarse_arguments(tmp_path), *quick])
-    fields_panel.main([str(tmp_path), "--animate"])
+    body_stress.main([str(tmp_path), "--animate"])
     assert len(list(tmp_path.glob("body.*"))) == 3
     fretting.main([*coarse_arguments(tmp_path), *quick, "--overwrite"])
     assert not list(tmp_path.glob("body.*"))
@@ -77,8 +77,8 @@ def test_a_run_without_its_files_is_refused(folder, tmp_path):
     whole = fields.read_bytes()
     fields.write_bytes(whole[:1000])
     with pytest.raises(SceneError, match="its files are not those of a run: .*truncated file"):
-        fields_panel.main([str(copy)])
+        body_stress.main([str(copy)])
     fields.write_bytes(whole)
     (copy / "history.csv").unlink()
     with pytest.raises(SceneError, match="history.csv is missing"):
-        fields_panel.main([str(copy)])
+        body_stress.main([str(copy)])

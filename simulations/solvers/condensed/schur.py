@@ -32,10 +32,10 @@ class PartialFactor:
 
     def solve(self, b: np.ndarray) -> np.ndarray:
         """Solution (n,) of the whole system, the kept unknowns included."""
-        right, x = self._matrix.createVecs()
-        x.array[:] = b
-        self._ksp.solve(x, right)
-        return right.array.copy()
+        x, right = self._matrix.createVecs()
+        right.array[:] = b
+        self._ksp.solve(right, x)
+        return x.array.copy()
 
 
 def _keep(pc: PETSc.PC, unknowns):
