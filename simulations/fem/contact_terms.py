@@ -78,7 +78,7 @@ class ContactTerms:
         body.stiffness.mult(body.state.x.petsc_vec, internal)
         internal.axpy(-1.0, _vector(self.forces_form))
         if self.held is not None:
-            internal.array[self._owned(Y)] -= self.held.forces
+            internal.array[body.dofs[: body.owned_nodes, Y]] -= self.held.forces
         fem_petsc.set_bc(internal, body.boundary_conditions, x0=body.state.x.petsc_vec, alpha=-1.0)
         total = np.array([self._sum(form) for form in self.resultant_forms])
         return internal, total - np.array([load.components[i] for i in self.directions])
@@ -134,11 +134,7 @@ class ContactTerms:
 
     def tributary_lengths(self) -> np.ndarray:
         """Length of surface that belongs to every owned node, (n,); zero off the strip."""
-        return self._on_strip(self._tributary_form)[self._owned(Y)]
-
-    def _owned(self, direction):
-        """Local dofs of one displacement of the nodes that this rank owns."""
-        return self.body.dofs[: self.body.owned_nodes, direction]
+        return self._on_strip(self._tributary_form)[self.body.dofs[: self.body.owned_nodes, Y]]
 
     def _on_strip(self, form) -> np.ndarray:
         """A linear form on the strip, assembled in place: owned dofs hold the sum over ranks."""
