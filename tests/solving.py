@@ -23,9 +23,9 @@ CYCLING |= {"mesh__degree": 1, "mesh__facet": 0.05, "mesh__edge_facet": 0.004, "
 CYCLING |= {"mesh__growth": 1.3, "mesh__layer_growth": 1.6}
 
 
-def coarse_simulation(text=DEFAULT_SCENE, cells=None, like=None, **changes) -> Simulation:
+def coarse_simulation(text=DEFAULT_SCENE, cells=None, **changes) -> Simulation:
     """A coarse simulation of a scene, not yet run."""
-    return Simulation(MPI.COMM_SELF, parse(text, coarse_overrides(**changes)), cells, like)
+    return Simulation(MPI.COMM_SELF, parse(text, coarse_overrides(**changes)), cells)
 
 
 def solved(text=DEFAULT_SCENE, cells=None, **changes) -> Simulation:

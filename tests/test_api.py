@@ -66,12 +66,6 @@ def test_without_friction_there_is_no_stick_zone():
     assert not result.traction.any() and not result.slip.any() and result.dissipated_energy == 0
 
 
-def test_run_stays_a_function_whatever_was_imported_before():
-    from simulations import Simulation, run
-
-    assert Simulation and len(run(QUICK).x) > 10
-
-
 def test_checks_that_fail_are_a_warning(monkeypatch):
     assert all(check.holds for check in run(QUICK).checks.values())
     monkeypatch.setattr("simulations.runs.checks.PENETRATION", -1.0)
