@@ -27,7 +27,7 @@ class PressingWithFriction:
     """Power profile pressed by a line load from first contact, |q| <= mu p; fields take x of any shape.
 
     P: load per unit length [stress x length], positive; mu: friction coefficient, positive, else ValueError.
-    terms: resolution; that of ``error`` is lower.
+    terms: resolution.
     """
 
     solid: GradedHalfPlane
