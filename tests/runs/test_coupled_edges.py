@@ -1,5 +1,7 @@
 """The mesh of a coupled loop: a place for the edges of contact and stick after every load step."""
 
+from itertools import islice
+
 import numpy as np
 import pytest
 from mpi4py import MPI
@@ -187,7 +189,7 @@ def test_pressed_with_friction_contact_grows_by_equal_steps_that_end_at_the_best
         MPI.COMM_SELF,
         parse(DEFAULT_SCENE, ("solid.k=-0.65", "solid.nu=-0.3", "load.mu=0.1", "reference.kind=none", *first_contact)),
     )
-    pressed = [entry for entry, _ in zip(simulation.run(), range(10))]
+    pressed = [*islice(simulation.run(), 10)]
     exact = simulation.pressing_with_friction.contact_half_width * np.arange(1, 11) / 10
     assert [entry.a for entry in pressed[1:]] == pytest.approx(exact[1:], abs=3e-3)  # half a facet
     x, at = simulation.ordinates[0], vanishing_place(2, -0.65)
@@ -202,5 +204,5 @@ def test_pressed_with_friction_edges_are_read_with_the_powers_of_slip_to_both_si
     scene = {"solid.k": k, "solid.nu": 0.1, "load.mu": mu, "effects.friction_in_normal_stage": True}
     scene |= {"solver.normal_increments": 3, "mesh.facet": 0.05, "mesh.edge_facet": 2e-3, "mesh.first_layer": 2e-3}
     simulation = Simulation(MPI.COMM_SELF, make_scene(scene))
-    pressed = [entry for entry, _ in zip(simulation.run(), range(3))][-1]
+    *_, pressed = islice(simulation.run(), 3)
     assert pressed.a == pytest.approx(simulation.pressing_with_friction.contact_half_width, abs=2e-4)

@@ -122,6 +122,7 @@ def test_solves_with_new_anchors_begin_with_the_states_of_the_last_ones(monkeypa
     """Far fewer iterations, and the same answer: by the old displacement all points whose anchor moved would slide."""
     changes = {"solid.k": -0.4, "solid.nu": -0.2, "load.mu": 0.4, "load.amplitude": 0.15}
     changes |= {"solver.increments": 2, "mesh.edge_facet": 0.004}
+    changes |= {"mesh.facet": 0.1, "mesh.growth": 1.6, "mesh.layer_growth": 1.6}
     one = run(changes).simulation.history
     begin = EdgeJumps.begin
     monkeypatch.setattr(EdgeJumps, "begin", lambda self, load, states: begin(self, load, None))
