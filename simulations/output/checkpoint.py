@@ -58,11 +58,6 @@ class Saved:
     changes: tuple[tuple[int, ...], ...] = ()
     resumed: int = 0  # how many times, this one included
 
-    @property
-    def increments(self) -> int:
-        """How many are done."""
-        return 0 if self.states is None else len(self.states)
-
 
 class Checkpoint:
     """Writes the checkpoint of a run into ``folder``. Every rank calls ``save``; rank 0 writes."""
@@ -175,7 +170,7 @@ def restore(saved: Saved, simulation: Simulation):
     simulation.resumed = saved.resumed
     if saved.states is None or saved.memory is None or saved.seconds is None:
         return
-    sampler, solver, done = simulation.sampler, simulation.solver, simulation.schedule[: saved.increments]
+    sampler, solver, done = simulation.sampler, simulation.solver, simulation.schedule[: len(saved.states)]
     for step, row, changes in zip(done, saved.states, saved.changes, strict=True):
         surface = SurfaceState(sampler.x, sampler.weight, mu=sampler.mu, **{name: row[name].copy() for name in SURFACE})
         iterations, residual, tolerance = int(row["iterations"]), float(row["residual"]), float(row["tolerance"])
