@@ -80,11 +80,6 @@ class FullSystem(System):
             image.axpy(value, column)
         self._join(image, np.array([row.dot(bulk) for row in self._rows]) + self._corner @ rigid, y)
 
-    def move_indenter(self, x, distance: float):
-        """Add ``distance`` along the surface to the rigid displacement in ``x``."""
-        if self._comm.rank == self._comm.size - 1:
-            x.array[-len(self._rigid) + self._rigid.index(X)] += distance
-
     def finish(self, x):
         """Leave the state ``x`` in the problem's fields."""
         bulk, rigid = self._split(x)

@@ -5,7 +5,7 @@ from typing import Protocol
 import numpy as np
 from petsc4py import PETSc
 
-from ..fem.contact_problem import ContactProblem
+from ..fem.contact_problem import ContactProblem, X
 
 
 class System(Protocol):
@@ -36,7 +36,11 @@ class System(Protocol):
         """y = J x."""
 
     def move_indenter(self, x: PETSc.Vec, distance: float):
-        """Add ``distance`` along the surface to the rigid displacement in ``x``."""
+        """Add ``distance`` along the surface to the rigid displacements in ``x``, whose last entries these are."""
+        directions = self.problem.directions
+        if x.comm.rank == 0:
+            x.setValue(x.getSize() - len(directions) + directions.index(X), distance, PETSc.InsertMode.ADD_VALUES)
+        x.assemble()
 
     def finish(self, x: PETSc.Vec):
         """Leave the state ``x`` in the problem's fields."""

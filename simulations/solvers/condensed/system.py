@@ -12,13 +12,14 @@ import numpy as np
 from petsc4py import PETSc
 from scipy.sparse import csr_matrix
 
-from ...fem.body import X, Y
+from ...fem.body import Y
 from ...fem.contact_problem import ContactProblem
+from ..system import System
 from .surface_compliance import SurfaceCompliance
 from .tangent import DenseTangent
 
 
-class CondensedSystem:
+class CondensedSystem(System):
     """Unknowns: nodal forces, direction by direction, then delta; all on rank 0."""
 
     def __init__(self, problem: ContactProblem, compliance: SurfaceCompliance):
@@ -109,11 +110,6 @@ class CondensedSystem:
         """y = J x."""
         if self._is_root:
             y.array[:] = self.dense.multiply(x.array_r)
-
-    def move_indenter(self, x, distance: float):
-        """Add ``distance`` along the surface to the rigid displacement in ``x``."""
-        if self._is_root:
-            x.array[-len(self._rigid) + self._rigid.index(X)] += distance
 
     def finish(self, x):
         """Leave the strip in the problem's fields; the rest of the body follows when it is asked for."""
