@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from . import checks, comparison, critical_friction, reference, zigzags
 from .checks import Check
 from .simulation import Simulation
@@ -82,7 +84,10 @@ def _values(simulation: Simulation, other: comparison.Reference) -> dict[str, fl
     found = comparison.numbers(last, other)
     values = {"a": found["a"] * scales.length}
     if not simulation.hidden_peak:
-        values["peak_pressure"] = float(other.pressure(last, last.surface.x).max()) * scales.stress
+        x = last.surface.x
+        if isinstance(other, comparison.OfStates):  # for k < 0 it peaks where stick ended, between nodes of the run
+            x = np.append(x, other.states[last.number].x)
+        values["peak_pressure"] = float(other.pressure(last, x).max()) * scales.stress
     if "c" in found:
         values["c_over_a"] = found["c"] / found["a"]
     if "dissipated_energy" in found:
