@@ -67,7 +67,9 @@ def check(history: History, height: Callable, cause: Callable[[], str] | None = 
         }
         if not checks["slip against q"].holds:
             number = np.argmax(wrong) + 1
-            checks["slip against q"] = replace(checks["slip against q"], cause=AGAINST.format(number + 1, number))
+            key = "normal_increments" if entries[number].step.branch == "normal" else "increments"
+            words = AGAINST.format(number + 1, number, key)
+            checks["slip against q"] = replace(checks["slip against q"], cause=words)
     zigzagging = [name for name in checks if name.endswith("zigzags") and not checks[name].holds]
     if zigzagging and cause:
         checks[zigzagging[-1]] = replace(checks[zigzagging[-1]], cause=cause())
@@ -199,7 +201,7 @@ PENETRATION = 1e-3  # an open point is held by its traction, which is not quite 
 WRONG_SLIP = 1e-4  # of loops measured below 1e-6
 AGAINST = (
     "slip goes against q most in load step {}, increment {} of history.csv: where points stop within it may be known "
-    "too badly; another number of solver.increments changes that"
+    "too badly; another number of solver.{} changes that"
 )
 LOST = "so many states touch at too few nodes to have a half-width: a smaller mesh.facet or mesh.edge_facet may help"
 AT_REST = 1e-3  # motion over the largest below which a load step moves nothing

@@ -73,10 +73,14 @@ def test_checks_hold_and_see_what_is_wrong(loop):
     }
     surface.traction[inside] *= -1.0
     found = checks.check(history, height)
+    pressed = replace(history.entries[-1], step=replace(history.entries[-1].step, branch="normal"))
+    while_pressed = checks.check(replace(history, entries=[*history.entries[:-1], pressed]), height)
     surface.traction[:] = saved[1]
     assert not found["slip against q"].holds
     last = len(history.entries)
     assert f"in load step {last}, increment {last - 1} of history.csv:" in checks.describe(found)
+    assert "another number of solver.increments" in checks.describe(found)
+    assert "another number of solver.normal_increments" in checks.describe(while_pressed)
 
 
 def test_a_contact_without_a_width_and_a_negative_energy_fail(loop):
