@@ -191,11 +191,12 @@ def drift(history: History) -> float:
 
 # a run is wrong beyond these; of c over a
 ERRORS = {"pressure_l2": 0.1, "traction_l2": 0.1, "a": 0.05, "c": 0.05, "dissipated_energy": 0.05}
+MORE_STEPS = "more solver.increments or, with friction from first contact, solver.normal_increments"
 LARGE = (
-    "more solver.increments (first of all for the energy), a higher mesh.degree, finer facets (mesh.facet, "
-    "mesh.edge_facet) or a smaller mesh.layer_growth make errors smaller"
+    f"{MORE_STEPS} (first of all for the energy), a higher mesh.degree, finer facets (mesh.facet, mesh.edge_facet) or "
+    "a smaller mesh.layer_growth make errors smaller"
 )
-UNKNOWN = "the reference's own error is {:.0%}, which is too much to judge by; more solver.increments make it smaller"
+UNKNOWN = f"the reference's own error is {{:.0%}}, which is too much to judge by; {MORE_STEPS} make it smaller"
 BENT = 0.1  # of the range of u_y, which is about f(a) under a round indenter
 PENETRATION = 1e-3  # an open point is held by its traction, which is not quite zero
 WRONG_SLIP = 1e-4  # of loops measured below 1e-6

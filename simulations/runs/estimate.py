@@ -11,7 +11,7 @@ import numpy as np
 from ..loading.stepping import SolveError
 from ..scene import Scene, SceneError, accuracy, make_scene
 from ..scene.effects import Effects
-from .checks import Check
+from .checks import MORE_STEPS, Check
 from .comparison import QUANTITIES, OfStates, compare_all, of_history
 from .coupled_loop import serves
 from .history import Entry, History
@@ -98,7 +98,7 @@ def judged(
         except (SceneError, SolveError) as reason:  # the run itself is done
             cause = f"the error is not known, as the second mesh fails: {reason}"
             return Check(float("nan"), wanted, cause), {"wanted": wanted, "is_within": False}
-    cause = f"more solver.increments or {TOO_COARSE}" if simulation.history.friction else TOO_COARSE  # else no memory
+    cause = f"{MORE_STEPS} or {TOO_COARSE}" if simulation.history.friction else TOO_COARSE  # else no memory
     check = Check(errors.largest, wanted, "" if errors.largest <= wanted else cause)
     for words in errors.in_words():
         tell(words)

@@ -4,6 +4,7 @@ import pytest
 from solving import solved
 
 from simulations.loading.stepping import SolveError
+from simulations.runs import checks
 from simulations.runs.comparison import compare
 from simulations.runs.mesh_free import MeshFree
 from simulations.scene import SceneError
@@ -82,6 +83,22 @@ def test_edges_in_facets_thicker_than_the_coating_are_read_with_the_power_of_the
     text = SCENE.format(modulus="power-law coating", more="k = 0.5\ny0_over_a0 = 10.0", thickness=1e-3)
     simulation = solved(text.replace("mu = 0.3\namplitude = 0.9\n", ""))
     assert abs(compare(simulation.history, MeshFree(simulation))["a"]) < 1e-3
+
+
+def test_the_energy_of_pressing_with_friction_needs_more_load_steps_of_it():
+    """So the cause that a check of errors tells names their key: more load steps of Q leave it as it is."""
+    text = SCENE.format(modulus="linear", more="E_substrate = 70e9", thickness=1.0)
+    text += "[effects]\nfriction_in_normal_stage = true\n"
+
+    def pressed(normal, quarter, cells=None):
+        steps = {"solver__normal_increments": normal, "solver__increments": quarter, "load__cycles": 0}
+        return solved(text, cells, **steps)
+
+    few = pressed(3, 1)
+    energy = few.history.dissipated_energy
+    assert pressed(3, 4, few.cells).history.dissipated_energy == pytest.approx(energy, rel=0.01)
+    assert pressed(12, 1, few.cells).history.dissipated_energy < 0.96 * energy
+    assert "solver.normal_increments" in checks.LARGE
 
 
 @pytest.mark.parametrize(
