@@ -41,7 +41,8 @@ def describe(scene: Scene, critical: CriticalFriction) -> str:
     """On which side of the bounds the scene lies."""
     if not isfinite(critical.upper):
         return f"mu = {scene.mu:g}: no second rate solution is known for any mu"
-    bounds = f"{critical.lower:.3g} and {critical.upper:.3g} of {ELEMENTS} equal half-plane elements"
+    law = "" if scene.is_power_law else " with E(y) as at the surface of the coating"
+    bounds = f"{critical.lower:.3g} and {critical.upper:.3g} of {ELEMENTS} equal half-plane elements{law}"
     if scene.mu <= critical.lower:
         return f"mu = {scene.mu:g} is below the bounds {bounds}: rates of stick and slip are unique"
     if scene.mu < critical.upper:

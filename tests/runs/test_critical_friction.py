@@ -22,6 +22,15 @@ def test_explain_tells_the_side(mu, side):
     assert side in explain(coarse_simulation(**COUPLED, load__mu=mu))
 
 
+def test_of_a_coating_it_is_said_that_the_bounds_are_those_of_its_surface():
+    """Elements on the body as it is may have others: a film of k = 0.5, 0.003 a thick, has 3.39 in place of 5.75."""
+    thin = {"solid.modulus": "power-law coating", "solid.k": 0.5, "solid.nu": 0.3, "solid.thickness_over_a0": 0.01}
+    surface = "5.75 of 12 equal half-plane elements with E(y) as at the surface of the coating"
+    assert surface in critical_friction.side(make_scene(thin))
+    whole = critical_friction.side(make_scene({"solid.k": 0.5, "solid.nu": 0.3}))
+    assert "5.75 of 12 equal half-plane elements: " in whole
+
+
 def test_without_coupling_there_is_none():
     simulation = coarse_simulation(effects__coupling="false")
     assert "critical friction" not in explain(simulation)
