@@ -131,6 +131,6 @@ def describe(reference: Reference, simulation: Simulation) -> str:
         return f"{reference.name}{nodes} with {friction}{coupling}{own}"
     if not scene.friction:
         return "closed form of the frictionless contact"
-    if "coupling" not in simulation.effects:
+    if not scene.is_decoupled:
         return f"closed form{strain}, which neglects coupling as this run does"
     return f"closed form{strain}, exact at the Holl ratio"

@@ -105,7 +105,9 @@ class EffectSwitches(Table):
         default="auto", description="half the domain; auto: without tangential load"
     )
     coupling: Truth = Field(
-        default=True, description="pressure and traction in one system; false: as in the closed forms"
+        default=True,
+        description="pressure and traction in one system; false: as in the closed forms. So is a path of loads at the "
+        "Holl ratio, unless `solver.theta` or friction in the normal stage needs one system",
     )
     elastic_slip: Length | None = Field(
         default=None,

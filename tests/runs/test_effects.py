@@ -19,7 +19,8 @@ from simulations.runs.comparison import compare, compare_state
 from simulations.runs.explain import explain
 from simulations.runs.mesh_free import MeshFree
 from simulations.runs.simulation import Simulation
-from simulations.scene import DEFAULT_SCENE, SceneError, parse
+from simulations.scene import DEFAULT_SCENE, SceneError, make_scene, parse
+from simulations.scene.effects import Effects
 
 FINE = {
     "mesh__facet": 0.0125,
@@ -54,6 +55,22 @@ def test_at_the_holl_ratio_coupling_changes_nothing():
         scale = one.surface.pressure.max()
         assert one.surface.traction == pytest.approx(other.surface.traction, abs=5e-3 * scale)
     assert on.history.dissipated_energy == pytest.approx(off.history.dissipated_energy, rel=2e-4)
+
+
+@pytest.mark.parametrize(
+    "changes, coupled",
+    [
+        ({}, False),
+        ({"solid.nu": 0.3}, True),
+        ({"solver.theta": 1.0}, True),
+        ({"effects.friction_in_normal_stage": True}, True),
+        ({"load.points": None, "load.P": 1e6, "load.amplitude": 0.5}, True),
+    ],
+)
+def test_a_path_at_the_holl_ratio_has_no_coupling(changes, coupled):
+    """Unless one system is asked for; a loop keeps it, as no edge of contact passes points there."""
+    path = {"load.P": None, "load.amplitude": None, "load.cycles": None, "load.points": [[1e6, 0.0], [2e6, 1e5]]}
+    assert ("coupling" in Effects(make_scene(path | changes))) is coupled
 
 
 def test_without_coupling_the_pressure_of_the_normal_stage_stays():
