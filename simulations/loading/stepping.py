@@ -162,8 +162,9 @@ class LoadStepping:
             return cuts
         whole = self._everything()
         self._put_back(begun)
+        self._unsettled = 0.0
         try:
-            self._unsettled, cuts = 0.0, self._in_halves(before, step)
+            cuts = self._in_halves(before, step)
             if self._zigzag() < zigzag:
                 return cuts
         except SolveError:
