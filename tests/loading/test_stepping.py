@@ -1,12 +1,19 @@
 """Load stepping: load steps in halves, and states that come back."""
 
 from dataclasses import replace
+from itertools import count, cycle
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from mpi4py import MPI
-from solving import solved
+from solving import coarse_simulation, solved, watched
 
+from simulations.fem.load import Load
+from simulations.loading import present_state
+from simulations.loading.anchors import EnteringPoints
+from simulations.loading.fallbacks import Options
+from simulations.loading.schedule import LoadStep
 from simulations.loading.stepping import LoadStepping
 from simulations.runs import checks
 from simulations.runs.simulation import Simulation
@@ -51,6 +58,65 @@ def test_where_halves_are_not_smoother_the_load_step_is_as_if_they_had_not_been_
             expected = getattr(whole.surface, name)
             largest = np.abs(expected).max(initial=1e-3)
             assert getattr(tried.surface, name) == pytest.approx(expected, abs=1e-8 * largest)
+
+
+@pytest.mark.parametrize("of_halves, unsettled", [(1.5, 0.3), (2.5, 0.1)])
+def test_how_far_anchors_are_from_settled_is_told_of_the_states_that_stay(of_halves, unsettled, monkeypatch):
+    zigzags, found = cycle([2.0, of_halves]), cycle([0.1, 0.3, 0.2])  # of the load step, and of its halves
+    monkeypatch.setattr(Simulation, "_zigzag", lambda simulation: next(zigzags))
+    monkeypatch.setattr(EnteringPoints, "end", lambda self: setattr(self.iteration, "unsettled", next(found)))
+    entries = solved(solid__nu=0.3, load__cycles=0, solver__increments=2).history.entries
+    assert [entry.unsettled for entry in entries if entry.step.branch != "normal"] == [unsettled] * 2
+
+
+def test_where_anchors_do_not_settle_the_state_that_asks_for_least_stays(monkeypatch):
+    states, best, back = count(), iter([True, True, False]), []
+    monkeypatch.setattr(present_state, "save", lambda system: next(states))
+    monkeypatch.setattr(present_state, "restore", lambda system, saved: back.append(saved))
+    iteration = SimpleNamespace(is_best=False, go_back=lambda: None)
+
+    def renew(clearance, settled):
+        iteration.is_best = next(best)
+        return True
+
+    stepping = SimpleNamespace(
+        options=Options(anchor_passes=2),
+        system=None,
+        entering=SimpleNamespace(renew=renew, iteration=iteration),
+        _is_uncoupled=False,
+        _clearance=lambda: None,
+        _solve=lambda load: [SimpleNamespace(converged=True)],
+        _results=[],
+        _newton=SimpleNamespace(balance=lambda load: "balanced"),
+    )
+    LoadStepping._settle_anchors(stepping, Load(1.0))
+    assert back == [1] and stepping._results == ["balanced"]
+
+
+def test_anchors_are_those_of_pressing_while_there_is_nothing_else(monkeypatch):
+    solid = "solid.E0 = 210e9\nsolid.k = 0.3\nsolid.nu = 0.3\nsolid.y0 = 0.01\nindenter.R = 0.1\nload.mu = 0.3\n"
+    path = "load.points = [[5e5, 0], [1e6, 1e5]]\neffects.friction_in_normal_stage = true\n"
+    simulation = coarse_simulation(solid + path, solver__increments=1)
+    begun = watched(monkeypatch, EnteringPoints, "begin")
+    simulation.run_to_end()
+    assert [stuck is not None for *_, stuck in begun[-2:]] == [True, False]
+
+
+def test_quarters_of_a_harmonic_load_step_lie_on_the_arc():
+    loads = []
+
+    class Halving:
+        _in_halves = LoadStepping._in_halves
+
+        def _advance(self, before, step, depth):
+            if depth == 2:
+                loads.append(step.load)
+                return 0
+            return self._in_halves(before, step, depth)
+
+    assert Halving()._in_halves(Load(1.0, 1.0, 0.0), LoadStep(Load(1.0, 0.0, 1.0), angle=np.pi / 2)) == 3
+    assert [np.arctan2(load.strain, load.Q) for load in loads] == pytest.approx(np.pi / 8 * np.arange(1, 5))
+    assert [np.hypot(load.strain, load.Q) for load in loads] == pytest.approx([1.0] * 4)
 
 
 def test_a_half_of_a_harmonic_load_step_lies_on_the_arc(monkeypatch):
