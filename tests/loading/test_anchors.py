@@ -1,11 +1,14 @@
 """Anchors of points that enter contact, or stop sliding, within a load step: from the states before and after."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from analytic import GradedHalfPlane
 from analytic.stuck_edge import StuckEdge
 from forms.contact import BACKWARD, CLOSED, FORWARD, OPEN
+from simulations.loading.anchors import AnchorIteration, EnteringPoints
 from simulations.loading.approach import Approach, Ratio
 from simulations.loading.contact_points import Surface, edge_by_clearance, edge_of_contact
 from simulations.loading.stopped_points import CUT, accelerated, anchors_of_stopped
@@ -108,6 +111,48 @@ def test_an_edge_is_known_within_its_facet(side, edge):
     surface.clearance[np.abs(X) > 0.55] = 0.0
     assert edge_by_clearance(X, surface, side, 1.5) == pytest.approx(side * 0.5125)
     assert edge_by_clearance(X, touching(1.451), side, 1.5) == pytest.approx(side * 1.4625)
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+@pytest.mark.parametrize("seen, edge", [(0.3, 0.5), (0.55, 0.525)])
+def test_an_edge_does_not_leave_its_facet(side, seen, edge):
+    surface = Surface(touching(0.5).states, np.zeros(len(X)), np.maximum(np.abs(X) - seen, 0.0) ** 1.5)
+    assert edge_by_clearance(X, surface, side, 1.5) == pytest.approx(side * edge)
+
+
+@pytest.mark.parametrize("measured, value", [(1.99, 3.97), (3.0, 1.6)])
+def test_a_secant_step_is_between_three_tenths_of_the_defect_and_three_times_it(measured, value):
+    ratio = Ratio()
+    ratio.improve(1.0)
+    ratio.improve(measured)
+    assert ratio.value == pytest.approx(value)
+
+
+def test_with_coupling_the_ratio_fades_out_beyond_the_edge():
+    """The eight points beside it are anchored less and less where the ratio has them, and those further out not."""
+    put, before, after = [], touching(0.5), touching(0.7)
+    after.clearance[:] *= 0.9
+    entering = SimpleNamespace(
+        iteration=SimpleNamespace(before=before, after=after, starts={}),
+        _approach=SimpleNamespace(is_uncoupled=False, beside=lambda *found: (1.0, 0.0)),
+        _points=SimpleNamespace(gathered=lambda values: values),
+        _problem=SimpleNamespace(memory=SimpleNamespace(anchors=lambda: np.zeros(len(X)))),
+        _put=put.append,
+    )
+    EnteringPoints.end(entering)
+    beyond = (after.states == OPEN) & (X > 0)
+    share = put[0][beyond] / before.clearance[beyond]
+    assert share[:8] == pytest.approx(1 - np.arange(8) / 8) and not np.any(share[8:])
+
+
+def test_points_known_to_stick_that_slide_on_are_anchored_where_they_touch():
+    known = np.where(np.abs(X) <= 0.6, 7.0, np.nan)
+    before, after, ratios = touching(0.5), touching(0.7, stick=0.55), approach(0.2, 0.2)
+    iteration = AnchorIteration(X, before, ratios, dict.fromkeys((-1, 1), np.nan), known.copy())
+    anchors = iteration.renewed(after, iteration.touching(), settled=np.inf)
+    slides = after.states != CLOSED
+    assert np.array_equal(anchors[slides], ratios.anchors(before, after)[slides])
+    assert np.all(anchors[np.abs(X) < 0.55] == 7.0)
 
 
 def test_a_side_that_does_not_grow_keeps_its_ratio():
