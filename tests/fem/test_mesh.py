@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
+from forms.depth_map import DepthMap
 from forms.modulus import PowerLaw
 from simulations.fem.mesh import Grading, columns, create_mesh, layers
 
@@ -38,6 +39,12 @@ def test_edges_are_placed_in_their_facets(at):
         place = (edge - x[last]) / (x[last + 1] - x[last])
         assert place % 1.0 == pytest.approx(at, abs=0.02) or (at == 0.0 and place == pytest.approx(1.0))
     assert len(x) == len(columns(replace(grading, edge_at=-1.0)))
+
+
+@pytest.mark.parametrize("depth", [DepthMap(), DepthMap(1 / 0.7, False)], ids=["y", "s"])
+def test_a_layer_begins_where_the_modulus_has_a_kink(depth):
+    y = depth.y(layers(Grading(edges=(-1.0, 1.0)), depth, 0.37))
+    assert np.abs(y - 0.37).min() < 1e-12 and np.all(np.diff(y) > 0)
 
 
 def test_facets_beside_many_stops_are_the_least_of_all_their_cones():

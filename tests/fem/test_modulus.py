@@ -26,6 +26,17 @@ def test_layer_means(modulus):
     assert modulus.layer_mean(top, bottom) == pytest.approx(exact / (bottom - top), rel=1e-9)
 
 
+@pytest.mark.parametrize("modulus", MODULI[:3], ids=str)
+def test_surface_moduli(modulus):
+    """Along the surface the mean of E over the mesh depth of the cell, into the body E/(dy/ds), for k < 0 its mean."""
+    depth, h = modulus.depth_map(), 0.2
+    along, into = modulus.surface_moduli(h, depth)
+    mean = quad(lambda s: modulus.young(depth.y(s)), 0.0, h)[0] / h
+    assert along == pytest.approx(mean, rel=1e-7)
+    anywhere = modulus.young(depth.y(h / 2)) / depth.stretch(h / 2)
+    assert into == pytest.approx(mean if modulus.is_singular else anywhere, rel=1e-7)
+
+
 @pytest.mark.parametrize("modulus", MODULI, ids=str)
 def test_parameters(modulus):
     """Every finite number becomes what is made of it; what decides which terms there are stays."""

@@ -8,7 +8,7 @@ from mpi4py import MPI
 from running import coarse_overrides
 from scipy.sparse import identity
 
-from forms.contact import BACKWARD, CLOSED, FORWARD, OPEN, X, Y
+from forms.contact import BACKWARD, CLOSED, DRIVEN_BACKWARD, DRIVEN_FORWARD, FORWARD, LIFTED, OPEN, PINNED, X, Y
 from simulations.fem.contact_problem import ContactProblem, Nitsche
 from simulations.runs.simulation import Simulation
 from simulations.scene import DEFAULT_SCENE, parse
@@ -73,6 +73,11 @@ def test_condensed_system(partly_slipping, directions):
     assert relative_defect(system, load, np.random.default_rng(1)) < 1e-6
 
 
+def test_the_frictionless_form_is_symmetric_with_theta_1(partly_slipping):
+    tangent = perturbed_problem(partly_slipping, FRICTIONLESS, theta=1.0).terms.force_tangent()
+    assert abs(tangent - tangent.T).max() < 1e-12 * abs(tangent).max()
+
+
 @EVERY_CASE
 def test_rows_of_the_compliance_matrix_and_its_products(partly_slipping, directions):
     """Rows are kept; a product solves for the inside of the strip. The surface's own share is symmetric (Maxwell)."""
@@ -87,10 +92,27 @@ def test_rows_of_the_compliance_matrix_and_its_products(partly_slipping, directi
 
 @EVERY_CASE
 def test_the_states_are_all_there(partly_slipping, directions):
-    """What the differences are taken at: open and closed points, with friction also points that slide."""
-    states = set(perturbed_problem(partly_slipping, directions, theta=0.0).terms.contact_states())
+    """What the differences are taken at: open and closed points, with friction also points that slide.
+
+    Those and no others have a clearance that are open.
+    """
+    terms = perturbed_problem(partly_slipping, directions, theta=0.0).terms
+    if terms.clearance:
+        assert np.array_equal(terms.clearance.values() > 0, terms.contact_states() == OPEN)
+    states = set(terms.contact_states())
     assert {OPEN, CLOSED} <= states
     assert bool({FORWARD, BACKWARD} & states) == (X in directions)
+
+
+@pytest.mark.parametrize(
+    "imposed, state", [(DRIVEN_BACKWARD, BACKWARD), (PINNED, CLOSED), (DRIVEN_FORWARD, FORWARD), (LIFTED, OPEN)]
+)
+def test_points_in_contact_have_the_state_that_is_imposed(partly_slipping, imposed, state):
+    problem = perturbed_problem(partly_slipping, FRICTIONAL, theta=0.0)
+    free = problem.terms.contact_states()
+    with problem.safeguards.imposed(np.full(len(free), imposed)):
+        assert np.array_equal(problem.terms.contact_states(), np.where(free == OPEN, OPEN, state))
+    assert np.array_equal(problem.terms.contact_states(), free)
 
 
 def perturbed_problem(partly_slipping, directions, theta):
