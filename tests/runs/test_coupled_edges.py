@@ -34,6 +34,13 @@ def test_of_two_zones_of_stick_the_longest_counts_not_the_one_with_more_nodes():
     assert left == pytest.approx(-0.85, abs=0.05) and right == pytest.approx(0.6, abs=0.05)
 
 
+def test_a_traction_that_is_known_to_be_below_its_limit_is_not_at_its_limit():
+    x, none = np.arange(3.0), np.zeros((2, 3))
+    below = np.array([0.0, 1e-7, 1e-5])
+    surface = SurfaceState(x, x, np.ones(3), 0.3 * (1 - below), none, np.zeros(2), none, mu=0.3)
+    assert surface.slides.tolist() == [1.0, 1.0, 0.0]
+
+
 def test_an_edge_of_stick_is_read_with_the_power_of_the_slip_beside_it_not_of_the_slip_beyond():
     """As P falls again points beside the stick slide outwards still, and those at the edges of contact inwards."""
     x, mu, powers = np.linspace(-1, 1, 801), 0.3, {-1.0: 0.3, 1.0: 0.6}

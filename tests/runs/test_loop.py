@@ -9,6 +9,7 @@ from simulations.fem.mesh import Grading
 from simulations.runs.comparison import relative_l2
 from simulations.scene import DEFAULT_SCENE, parse
 from simulations.scene.scaling import Scales
+from simulations.solvers.newton import SETTLED
 
 
 @pytest.fixture(scope="module")
@@ -89,6 +90,26 @@ def test_a_state_out_of_balance_is_not_accepted(method):
     assert problem.terms.residual(load)[0].norm() < 1e-7 * load.P
     body.complete()
     assert body.state.x.array == pytest.approx(u, abs=1e-7)
+
+
+def test_forces_that_do_not_carry_the_load_are_not_accepted(monkeypatch):
+    simulation = coarse_simulation()
+    load, newton = next(simulation.run()).step.load, simulation.solver._newton
+    residual = newton.system.residual
+    monkeypatch.setattr(newton.system, "residual", lambda x, f: (residual(x, f)[0], 1e-6 * load.P))
+    assert not newton.balance(load).converged
+
+
+def test_an_end_by_a_rule_of_petsc_is_no_solution():
+    """One linear step, after which SNES says that it has converged."""
+    simulation = coarse_simulation()
+    load, newton = next(simulation.run()).step.load, simulation.solver._newton
+    newton.snes.setType("ksponly")
+    assert not newton.solve(load._replace(P=load.P / 2)).converged and newton.snes.getConvergedReason() > 0
+
+
+def test_a_balanced_state_gets_one_more_step(condensed):
+    assert max(entry.residual for entry in condensed.history.entries) < SETTLED
 
 
 def test_repeated_increment_changes_nothing():

@@ -38,6 +38,15 @@ def test_a_mesh_without_mirror_is_solved_whole(factorised):
     assert simulation.history.dissipated_energy == pytest.approx(energy, rel=2e-2)
 
 
+def test_a_body_that_is_stiffer_on_one_side_has_no_halves():
+    body = coarse_simulation().body
+    assert [part.is_half for part in parts(body)] == [True, True]
+    diagonal, (node, *_) = body.stiffness.getDiagonal(), body.surface_nodes.owned
+    diagonal.array[body.dofs[node]] *= 2.0
+    body.stiffness.setDiagonal(diagonal)
+    assert [part.is_half for part in parts(body)] == [False]
+
+
 @pytest.mark.parametrize("k", [0.3, -0.5])
 def test_compliance_solves_the_whole_body(k):
     """A force on one side and its displacement, recovered in the whole body, leave no residual in the stiffness."""

@@ -46,6 +46,27 @@ def test_an_edge_goes_on_by_what_theory_leaves_open(k):
     assert POINTS[imposed == LIFTED].min() == pytest.approx(1 - e, abs=3 * SPACING / (1 + k))
 
 
+def test_a_jump_leaves_half_of_the_stick_zone():
+    """Edges of stick that go inwards by 0.5 are expected to go by twice that, and would pass each other."""
+    found = jumps(0.0)
+    found.after(states(-1.0, -0.8, 0.8, 1.0))
+    imposed = found.after(states(-1.0, -0.3, 0.3, 1.0))
+    assert np.abs(POINTS[imposed == DRIVEN_FORWARD]).min() == pytest.approx(0.15, abs=3 * SPACING)
+
+
+def test_nothing_is_made_to_slide_where_nothing_slides():
+    found = jumps(0.0)
+    found.after(states(-1.0, -0.8, 0.8, 1.0))
+    assert found.after(states(-1.0, -1.0, 1.0, 1.0)) is None
+
+
+def test_a_load_far_ahead_of_the_last_two_is_not_on_their_line():
+    steps = LastSteps()
+    for P in (1.0, 1.1):
+        steps.keep(Load(P), np.zeros(1))
+    assert steps.ahead(Load(1.35)) == pytest.approx(2.5) and steps.ahead(Load(1.6)) == 0.0
+
+
 def test_edges_that_rest_impose_nothing():
     found = jumps(0.0)
     assert [found.after(states(-1.0, -0.5, 0.6, 0.9)) for _ in range(3)] == [None] * 3

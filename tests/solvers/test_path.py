@@ -8,6 +8,7 @@ import pytest
 from mpi4py import MPI
 from solving import CYCLING, SHRINKING, coarse_simulation, limit_stepping, solved
 
+from forms.contact import CLOSED
 from simulations.loading.fallbacks import Options
 from simulations.loading.stepping import SolveError
 from simulations.runs.plan import Plan
@@ -45,6 +46,13 @@ def test_it_leads_to_the_answer(method, coupling, wrong):
     assert followed.converged and followed.iterations > 5
     assert solver.solve(load).iterations == 0
     assert terms.contact_forces() == pytest.approx(forces, abs=1e-8 * np.abs(forces).max())
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_point_that_sticks_slides_either_way_where_its_traction_is_at_its_limit(side):
+    conditions = path._conditions(np.array([CLOSED]), 0.5)
+    share, (_, point) = path._first_change(conditions, np.array([[0.0], [1.0]]), np.array([[2.0 * side], [0.0]]))
+    assert share == pytest.approx(0.25) and point == 0
 
 
 def test_a_loop_that_cycles_without_it(monkeypatch):
