@@ -235,6 +235,14 @@ def test_vtkhdf_has_what_the_states_have(folder):
     assert times == pytest.approx([1, 2, 2.5, 3, 3.5, 4, 6])
 
 
+def test_each_state_has_its_loads(folder):
+    loads = surface(folder)
+    for path in (folder / "fields").glob("0*.h5"):
+        with h5py.File(path) as state:
+            for name in ("P", "Q"):
+                assert state.attrs[name] == pytest.approx(loads[f"{name}_prescribed"][int(path.stem)])
+
+
 def test_nodes_of_a_cubic_cell_are_in_the_order_of_vtk():
     """Corners, then bottom, right, top and left edge, each in the direction of x or y, then row by row."""
     edges = [(1, 0), (2, 0), (3, 1), (3, 2), (1, 3), (2, 3), (0, 1), (0, 2)]
@@ -264,6 +272,13 @@ def test_lines(folder):
     pressure, traction = data["pressure"][2, middle], data["traction"][2, middle]
     assert top["stress_yy[Pa]"].item() == pytest.approx(-pressure, rel=5e-3)
     assert top["stress_xy[Pa]"].item() == pytest.approx(traction, rel=5e-3)
+    along = table[(table["along"] == "line 2") & (table["increment"] == 0)]
+    with h5py.File(folder / "fields" / "000000.h5") as state, h5py.File(folder / "fields" / "mesh.h5") as mesh:
+        points, u = mesh["points"][...], state["displacement"][:, 1]
+    depth = np.unique(points[:, 1])[np.abs(np.unique(points[:, 1]) + 1e-4).argmin()]
+    order = np.argsort(points[points[:, 1] == depth, 0])
+    beside = [values[points[:, 1] == depth][order] for values in (points[:, 0], u)]
+    assert along["displacement_y[m]"].to_numpy() == pytest.approx(np.interp(along["x[m]"], *beside), rel=0.02)
 
 
 @pytest.mark.parametrize("degree", [1, 3])

@@ -121,6 +121,18 @@ def test_frictional_work_density_is_that_of_the_closed_form(default_run):
     assert found.max() == pytest.approx(expected.max(), rel=2e-4)
 
 
+def test_displacements_are_in_metres(default_run):
+    """The last state is +Q_A: the slip is (36), the indentation (46) and the shift of the indenter (49)."""
+    scene = parse((default_run / "scene.toml").read_text())
+    loop = scene.contact.fretting(mu=scene.load.mu, z=1.0 - scene.load.amplitude)
+    last, data = pandas.read_csv(default_run / "history.csv").iloc[-1], surface(default_run)
+    expected = -loop.slip(data["x"], loop.Q_A, "reloading")
+    within = np.abs(data["x"]) < loop.a
+    assert data["slip"][-1][within] == pytest.approx(expected[within], abs=1e-4 * np.abs(expected).max())
+    assert last["delta_y[m]"] == pytest.approx(scene.contact.indentation, rel=1e-3)
+    assert last["delta_x[m]"] == pytest.approx(loop.rigid_shift(loop.Q_A, "reloading"), rel=1e-3)
+
+
 def test_fields_open_in_another_reader(default_run, summary):
     with meshio.xdmf.TimeSeriesReader(default_run / "fields.xdmf") as reader:
         points, cells = reader.read_points_cells()

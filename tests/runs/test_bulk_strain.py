@@ -153,7 +153,7 @@ def test_stress_in_a_coating_needs_its_depth(modulus):
 
 
 def test_stress_far_from_the_contact_in_the_files(tmp_path):
-    """E(y) ε/(1 - ν²) at +Q_A, its opposite at -Q_A: P adds the same to both, Q what is odd in x."""
+    """E(y) ε/(1 - ν²) at +Q_A, its opposite at -Q_A: P adds the same to both, Q what is odd in x. So does u_y."""
     scene = tmp_path / "scene.toml"
     scene.write_text(UNCOUPLED, encoding="utf-8")
     strain, solved_for = 1e-3, parse(UNCOUPLED, ("solid.k=0.3",))
@@ -163,8 +163,11 @@ def test_stress_far_from_the_contact_in_the_files(tmp_path):
     fretting.main([str(scene), *coarse_arguments(tmp_path / "run", **changes), "--quiet"])
     table = pandas.read_csv(tmp_path / "run" / "lines.csv")
     last = table["increment"] == table["increment"].max()
-    stress = {state: at["stress_xx[Pa]"].to_numpy() for state, at in table.groupby("state")}
+    names = ["stress_xx[Pa]", "displacement_y[m]"]
+    found = {state: at[names].to_numpy() for state, at in table.groupby("state")}
     depth = table["depth[m]"][last].to_numpy()[:4]
-    at_A, at_E = (stress[state][-8:].reshape(2, 4).mean(axis=0) for state in ("A", "E"))
+    at_A, at_E = (found[state][-8:].reshape(2, 4, 2).mean(axis=0) for state in ("A", "E"))
+    stress, upwards = (at_A - at_E).T / 2
     expected = solved_for.half_plane.modulus(depth) * strain / (1 - 0.3**2)
-    assert (at_A - at_E) / 2 == pytest.approx(expected, rel=2e-3)
+    assert stress == pytest.approx(expected, rel=2e-3)
+    assert upwards == pytest.approx(0.3 / (1 - 0.3) * strain * depth, rel=2e-3)
