@@ -56,6 +56,18 @@ def test_the_time_left_knows_that_the_reference_has_more_load_steps_on_short_pat
     assert expected(4, "closed form") == expected(4, foreign=["traction on the flank"]) == 0.0  # there is none to solve
 
 
+def test_the_time_left_of_a_resumed_run_is_that_of_its_own_load_steps(monkeypatch):
+    said, entries, times = [], [None] * 8, iter([0.0, 30.0])
+    monkeypatch.setattr(progress, "say", lambda text, end="": said.append(text))
+    monkeypatch.setattr(progress, "describe", lambda entry, simulation: "step")
+    monkeypatch.setattr(progress.time, "perf_counter", lambda: next(times))
+    shown = progress.Progress()
+    shown.begin(SimpleNamespace(schedule=[None] * 10, history=SimpleNamespace(entries=entries)))
+    entries.append(None)
+    shown.step(SimpleNamespace(step=SimpleNamespace(state="")))
+    assert said == ["   9/10  step, 31 s left"]
+
+
 def test_quiet(tmp_path):
     done = run_command(*coarse_arguments(tmp_path), "--quiet")
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")

@@ -159,6 +159,18 @@ def test_a_lock_of_another_machine_lives_as_long_as_it_is_touched(tmp_path):
     Lock(tmp_path).release()
 
 
+def test_on_a_file_system_without_locks_a_sign_of_life_counts(tmp_path, monkeypatch):
+    def without(*_):
+        raise OSError(95, "Operation not supported")
+
+    monkeypatch.setattr("fcntl.flock", without)
+    lock = Lock(tmp_path)
+    with pytest.raises(Locked):
+        Lock(tmp_path)
+    lock.release()
+    Lock(tmp_path).release()
+
+
 def test_a_lock_is_touched_while_it_is_held(tmp_path, monkeypatch):
     monkeypatch.setattr(lock, "BEAT", 0.05)
     held = Lock(tmp_path)
