@@ -90,6 +90,7 @@ def _leave_together(comm: MPI.Comm, code):
     PETSc._finalize()  # here, where every rank does
     if not MPI.Is_finalized():
         MPI.Finalize()
+    stopping.listen(rank == 0)  # PETSc has taken the handlers away
     sys.stdout.flush()
     ctypes.CDLL(None).fflush(None)  # what PETSc has printed
     if rank == 0 and code:

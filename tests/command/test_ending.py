@@ -1,7 +1,21 @@
 """The end of a command under mpirun: one exit code of all ranks, and none waits for another."""
 
+import signal
+
 import pytest
-from running import run_command
+from running import run_command, run_python
+
+AT_ITS_END = """
+import os, signal
+from simulations.command import command
+command.stopping.over = lambda: os.kill(os.getpid(), signal.SIGTERM)
+command.run(lambda arguments: None)
+"""
+
+
+def test_a_signal_after_the_libraries_have_ended_finds_a_handler():
+    done = run_python("-c", AT_ITS_END, timeout=60)
+    assert done.returncode == 128 + signal.SIGTERM and done.stderr.startswith("stopped by SIGTERM"), done.stderr
 
 
 @pytest.mark.parametrize("rank, said", [(0, "not converged: on one rank\n"), (1, "")])
