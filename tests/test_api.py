@@ -79,15 +79,15 @@ def test_checks_that_fail_are_a_warning(monkeypatch):
 
 
 def test_the_energy_of_a_path_is_checked_beside_its_closed_form():
-    """Little slips here while P changes much: six load steps a part leave 20 % on any mesh, and p and q are right."""
+    """Little slips here while P changes much: four load steps a part leave 23 % on any mesh, and p and q are right."""
     P, Q = [392448.38, 392448.38, 713586.39, 273740.63, 531714.73], [0, -41923.25, -21370.01, -28711.38, 1975.89]
     solid = {"solid.k": None, "solid.y0_over_a0": None, "solid.modulus": "homogeneous", "solid.nu": 0.3}
     load = {"load.P": None, "load.amplitude": None, "load.cycles": None, "load.points": list(zip(P, Q))}
-    changes = COARSE | solid | load | {"effects.coupling": False}
+    changes = COARSE | solid | load | {"effects.coupling": False, "solver.increments": 4}
     with pytest.warns(ChecksWarning, match="error of dissipated_energy .*more solver.increments"):
         result = run(changes)
     failing = {name: check.value for name, check in result.checks.items() if not check.holds}
-    assert failing == {"error of dissipated_energy": pytest.approx(0.2, abs=0.02)}
+    assert failing == {"error of dissipated_energy": pytest.approx(0.23, abs=0.02)}
     a_over_a0 = quantities(result.simulation)["a_over_a0"]  # under the last P, which is not the largest
     assert a_over_a0 == pytest.approx(1.0, abs=0.01)
     with warnings.catch_warnings():

@@ -23,6 +23,12 @@ class Load(NamedTuple):
         """The load after this share of the straight way to another."""
         return Load(*(mine + share * (theirs - mine) for mine, theirs in zip(self, other)))
 
+    def is_between(self, start: "Load", end: "Load") -> bool:
+        """Whether it lies on the straight way from one load to another."""
+        way, come = np.subtract(end, start), np.subtract(self, start)
+        share = np.clip(come @ way / max(way @ way, SAME**2), 0.0, 1.0)
+        return self.is_near(start.towards(end, share))
+
     def is_near(self, other: "Load") -> bool:
         """Whether both are equal but for round-off."""
         return np.allclose(self, other, rtol=0, atol=SAME * self.P)

@@ -1,14 +1,15 @@
 """The record of a run: one entry a load step, with everything that files, plots and errors are made from."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from ..fem.load import SAME
 from ..fem.surface import SurfaceState, fitted_contact_edges, fitted_stick_edges
 from ..loading.schedule import LoadStep, pressed_first
 from ..loading.stepping import Outcome
-from .frictional_work import frictional_work, work_of_pressing
+from .frictional_work import KNOWN, frictional_work, work_of_pressing, work_on_straight_way
 
 SEPARATED, STICK, SLIP = 0, 1, 2  # contact states in files
 PARABOLA = 2.0  # exponent for the first load step of a contact that does not grow similar to itself: an estimate
@@ -23,7 +24,8 @@ class Entry:
     slip: np.ndarray  # (n,) u_x - delta_x since tangential loading began
     contact: tuple[float, float]  # edges of the contact
     stick: tuple[float, float]  # edges of the stick zone
-    work: np.ndarray  # (n,) frictional work per area of surface since the start
+    own_work: np.ndarray  # (n,) frictional work per area of surface in the load step, as two states tell it
+    work: np.ndarray  # (n,) the same since the start, its sum as the balance of energy tells it
     dissipated: float  # its integral over the surface
     iterations: int
     cuts: int
@@ -79,13 +81,14 @@ class History:
 
     m: of an indenter |x|^m whose contact grows similar to itself while it is pressed on with friction; None where it
     does not. exponents: of tractions at x_l, c_l, c_r and x_r, a function of friction where slip has q = friction p;
-    None: (1+k)/2, as without coupling.
+    None: (1+k)/2, as without coupling. coupled: slip changes the pressure.
     """
 
     k: float
     mu: float
     m: float | None = None
     exponents: Callable[[float], tuple[float, ...]] | None = None
+    coupled: bool = False
     entries: list[Entry] = field(default_factory=list)
     _rest: np.ndarray = field(init=False, repr=False)  # (n,) relative displacement from which slip counts
 
@@ -95,12 +98,12 @@ class History:
         ends = surface.slides[np.flatnonzero(surface.pressure > 0)[[0, -1]]]  # they differ while P changes
         x_l, x_r = (self._exponents(s or step.direction)[i] for i, s in zip((0, -1), ends))
         contact = fitted_contact_edges(surface, (x_l, x_r))
-        stick, work = contact, np.zeros_like(s)
+        stick, own_work = contact, np.zeros_like(s)
         if self.friction and np.any(surface.traction):
             left, right = fitted_stick_edges(surface, step.direction, lambda s: self._exponents(s)[1:3])
             stick = max(left, contact[0]), min(right, contact[1])  # each is fitted by itself
         if self.friction:
-            work = self._work(step, surface, contact)
+            own_work = self._own_work(step, surface, contact)
         if step.branch == "normal":
             self._rest = s
         entry = Entry(
@@ -109,8 +112,9 @@ class History:
             slip=s - self._rest,
             contact=contact,
             stick=stick,
-            work=work,
-            dissipated=surface.line_load(work),
+            own_work=own_work,
+            work=own_work,
+            dissipated=0.0,
             iterations=outcome.iterations,
             cuts=outcome.cuts,
             unsettled=outcome.unsettled,
@@ -121,21 +125,52 @@ class History:
             number=len(self.entries),
         )
         self.entries.append(entry)
-        return entry
+        self._add_work()
+        return self.entries[-1]
 
     def _exponents(self, sign: float) -> tuple[float, ...]:
         """At x_l, c_l, c_r and x_r, where slip beside an edge has q = sign mu p."""
         return self.exponents(sign * self.mu) if self.exponents else 4 * ((1 + self.k) / 2,)
 
-    def _work(self, step: LoadStep, after: SurfaceState, contact: tuple[float, float]) -> np.ndarray:
-        """Frictional work (n,) since the start."""
+    def _own_work(self, step: LoadStep, after: SurfaceState, contact: tuple[float, float]) -> np.ndarray:
+        """Frictional work (n,) of a load step; while P alone grows from first contact, what is new since the last."""
         steps = [*(entry.step for entry in self.entries), step]
         if not self.entries or self.m and pressed_first(steps) == len(steps):
-            return work_of_pressing(after, self.k, self.m or PARABOLA)
+            so_far = work_of_pressing(after, self.k, self.m or PARABOLA)
+            return so_far - self.entries[-1].work if self.entries else so_far
         before = self.entries[-1]
         others = (entry.surface for entry in reversed(self.entries) if not entry.step.load.is_near(before.step.load))
         edges = before.contact, contact
-        return before.work + frictional_work(before.surface, after, edges, self.k, next(others, None))
+        return frictional_work(before.surface, after, edges, self.k, next(others, None))
+
+    def _add_work(self):
+        """Sum up the frictional work on the last straight way of the loads: that of points in its load steps, times
+        what makes its sum that of the balance of energy.
+        """
+        first = len(self.entries) - 1  # of the load steps on the way
+        while first > 1 and self._goes_on(first):
+            first -= 1
+        way, work, share = self.entries[first:], np.zeros_like(self.entries[-1].own_work), 1.0
+        if first and self.friction:
+            work = self.entries[first - 1].work
+            share = self._balanced_share([self.entries[first - 1], *way])
+        for entry in way:
+            work = work + share * entry.own_work
+            self.entries[entry.number] = replace(entry, work=work, dissipated=entry.surface.line_load(work))
+
+    def _goes_on(self, number: int) -> bool:
+        """Whether the load goes straight on from before the load step ``number`` to the last one."""
+        before, step = (entry.step for entry in self.entries[number - 2 : number])
+        return step.branch != "normal" and step.load.is_between(before.load, self.entries[-1].step.load)
+
+    def _balanced_share(self, way: list[Entry]) -> float:
+        """Work of friction by the balance of energy, over that of points, from the first entry to the last."""
+        loads, surfaces = [entry.step.load for entry in way], [entry.surface for entry in way]
+        if not self.coupled and np.ptp([load.P for load in loads]) < SAME:
+            return 1.0  # where the pressure stays that of points is exact
+        of_points = sum(entry.surface.line_load(entry.own_work) for entry in way[1:])
+        balance = work_on_straight_way(surfaces, loads, self.coupled) if of_points > 0 else None
+        return balance / of_points if balance and abs(balance - of_points) > KNOWN * balance else 1.0
 
     @property
     def friction(self) -> bool:
