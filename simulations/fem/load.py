@@ -25,9 +25,12 @@ class Load(NamedTuple):
 
     def is_between(self, start: "Load", end: "Load") -> bool:
         """Whether it lies on the straight way from one load to another."""
+        return self.is_near(start.towards(end, np.clip(self.share_of_way(start, end), 0.0, 1.0)))
+
+    def share_of_way(self, start: "Load", end: "Load") -> float:
+        """How far it is on the way from one load to another, which is 1; 0 where both are equal."""
         way, come = np.subtract(end, start), np.subtract(self, start)
-        share = np.clip(come @ way / max(way @ way, SAME**2), 0.0, 1.0)
-        return self.is_near(start.towards(end, share))
+        return float(come @ way / max(way @ way, SAME**2))
 
     def is_near(self, other: "Load") -> bool:
         """Whether both are equal but for round-off."""

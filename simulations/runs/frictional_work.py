@@ -64,10 +64,8 @@ def work_on_straight_way(states: Sequence[SurfaceState], loads: Sequence[Load], 
     g is a cubic spline in between, and known where one of every second load step says the same. coupled: the pressure
     takes part, and loses too where points enter or leave contact; else there is a balance without it.
     """
-    if loads[-1].is_near(loads[0]):  # a dwell
-        return None
-    start, way = np.array(loads[0]), np.subtract(loads[-1], loads[0])
-    t = np.subtract(loads, start) @ way / (way @ way)
+    start, way = loads[0], np.subtract(loads[-1], loads[0])
+    t = np.array([load.share_of_way(start, loads[-1]) for load in loads])
     steps = np.flatnonzero(np.diff(t, prepend=-1.0) > SAME)  # without dwells
     if len(steps) <= FEWEST:
         return None
@@ -88,7 +86,7 @@ def _loss(before: SurfaceState, after: SurfaceState, coupled: bool) -> float:
     return before.line_load(loss) / 2
 
 
-def _last_to_slide(start: np.ndarray, way: np.ndarray, mu: float) -> float:
+def _last_to_slide(start: Load, way: np.ndarray, mu: float) -> float:
     """t at which the last point would begin to slide, where |Q| = mu P; after a turn, where |ΔQ| = mu (P + P(0))."""
     (P, Q, _), (dP, dQ, _) = start, way
     found = [FAR]

@@ -90,6 +90,8 @@ class History:
     exponents: Callable[[float], tuple[float, ...]] | None = None
     coupled: bool = False
     entries: list[Entry] = field(default_factory=list)
+    _way: int = field(init=False, default=0, repr=False)  # number of the first load step on the present straight way
+    _share: float = field(init=False, default=1.0, repr=False)  # its work by the balance of energy over that of points
     _rest: np.ndarray = field(init=False, repr=False)  # (n,) relative displacement from which slip counts
 
     def append(self, outcome: Outcome, surface: SurfaceState, seconds: float) -> Entry:
@@ -147,21 +149,24 @@ class History:
         """Sum up the frictional work on the last straight way of the loads: that of points in its load steps, times
         what makes its sum that of the balance of energy.
         """
-        first = len(self.entries) - 1  # of the load steps on the way
-        while first > 1 and self._goes_on(first):
-            first -= 1
-        way, work, share = self.entries[first:], np.zeros_like(self.entries[-1].own_work), 1.0
-        if first and self.friction:
-            work = self.entries[first - 1].work
-            share = self._balanced_share([self.entries[first - 1], *way])
-        for entry in way:
+        last, share = len(self.entries) - 1, 1.0
+        if not self._goes_on(last):
+            self._way = last
+        if self._way and self.friction:
+            share = self._balanced_share(self.entries[self._way - 1 :])
+        first = last if share == self._share else self._way  # else all of the way has another sum
+        work = self.entries[first - 1].work if first else np.zeros_like(self.entries[0].own_work)
+        for entry in self.entries[first:]:
             work = work + share * entry.own_work
             self.entries[entry.number] = replace(entry, work=work, dissipated=entry.surface.line_load(work))
+        self._share = share
 
     def _goes_on(self, number: int) -> bool:
-        """Whether the load goes straight on from before the load step ``number`` to the last one."""
-        before, step = (entry.step for entry in self.entries[number - 2 : number])
-        return step.branch != "normal" and step.load.is_between(before.load, self.entries[-1].step.load)
+        """Whether the load goes straight on in a load step, from where the present way began."""
+        if not self._way or self.entries[number - 1].step.branch == "normal":
+            return False
+        start, before, step = (self.entries[i].step for i in (self._way - 1, number - 1, number))
+        return before.load.is_between(start.load, step.load)
 
     def _balanced_share(self, way: list[Entry]) -> float:
         """Work of friction by the balance of energy, over that of points, from the first entry to the last."""
