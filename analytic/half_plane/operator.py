@@ -8,6 +8,7 @@ from .interpolation import POWERS
 from .surface_kernel import SurfaceKernel
 
 NEAR = 6.0  # element lengths within which the closed antiderivatives are used
+NO_COUPLING = 1e-12  # of the largest displacement: what coupling at the Holl ratio is rounded to
 GAUSS, GAUSS_WEIGHT = np.polynomial.legendre.leggauss(5)  # beyond: relative error of about (4 NEAR)^-10
 
 
@@ -125,6 +126,11 @@ class SurfaceOperator:
             coupling,
             coupling_q,
         )
+
+    @property
+    def is_coupled(self) -> bool:
+        """Whether the traction moves the surface up and down: not at the Holl ratio."""
+        return bool(np.abs(self.coupling_q).max() > NO_COUPLING * np.abs(self.normal).max())
 
     def displacement(self, pressure, traction):
         """u_x and u_y at the nodes [length], up to the rigid translation."""

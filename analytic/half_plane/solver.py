@@ -15,6 +15,7 @@ from scipy.optimize import brentq
 
 from ..checks import require_partial_slip
 from ..material import GradedHalfPlane
+from ..straight_way import StraightWay
 from .edges import stuck_runs
 from .increment import Increment
 from .interpolation import coefficients_of, integral, interpolated
@@ -158,9 +159,7 @@ class HalfPlaneContact:
         P, Q, strain = load
         x = operator.nodes
         reached = solution.position + strain * x
-        mean_pressure = (solution.pressure + memory.pressure(x)) / 2
-        friction = self.mu * solution.sets.slipping * mean_pressure
-        work = integral(x, operator.of_pressure, friction, memory.position(x) - reached)
+        energy, way = self._worked(memory, operator, solution, reached, load, normal_stage)
 
         stuck = x[stuck_runs(solution, self._friction(normal_stage))]
         of_q = coefficients_of(operator.of_traction, solution.traction)
@@ -174,6 +173,13 @@ class HalfPlaneContact:
             if self.elastic:
                 u_x += self.elastic * interpolated(x, of_q, y)
             return u_x - solution.delta_x + strain * y
+
+        def gap(y):
+            N, _, D = element_moments(self.kernel, y, x)
+            u_y = displacement_of(N, of_p)
+            if self.coupling:
+                u_y -= displacement_of(D, of_q)
+            return self._height(y) + u_y - solution.delta_y
 
         if normal_stage:
             slip, slip_field = np.zeros(len(x)), np.zeros_like
@@ -196,13 +202,39 @@ class HalfPlaneContact:
             layout.contact,
             layout.stick,
             layout.zones,
-            memory.dissipated_energy + work,
+            energy,
             solution.delta_x,
             solution.delta_y,
             strain,
         )
-        pressure = partial(interpolated, x, of_p)
-        return Memory(state, layout, slip_field, reference, pressure, memory.directions(load))
+        return Memory(
+            state,
+            layout,
+            slip_field,
+            reference,
+            partial(interpolated, x, of_p),
+            partial(interpolated, x, of_q),
+            StoredField(x, solution.gap, gap),
+            way,
+            memory.directions(load),
+        )
+
+    def _worked(self, memory, operator, solution, reached, load, normal_stage):
+        """Frictional work since first contact, and the straight way of the loads that is its last part."""
+        x = operator.nodes
+        moved = memory.position(x) - reached
+        pressure = (solution.pressure + memory.pressure(x)) / 2
+        of_points = integral(x, operator.of_pressure, self.mu * solution.sets.slipping * pressure, moved)
+        conjugates = solution.delta_y, solution.delta_x, float(operator.weight_q @ (solution.traction * x))
+        if normal_stage or memory.way is None:
+            way = StraightWay(self.mu, operator.is_coupled, (load,), (conjugates,))
+            return memory.dissipated_energy + of_points, way
+        loss = integral(x, operator.of_traction, (solution.traction + memory.traction(x)) / 2, moved)
+        if operator.is_coupled:
+            loss += integral(x, operator.of_pressure, pressure, memory.gap(x) - solution.gap)
+        before = memory.way if memory.way.goes_on(load) else memory.way.turned()
+        way = before.to(load, conjugates, loss, of_points)
+        return memory.dissipated_energy + way.work - before.work, way
 
     def _friction(self, normal_stage):
         return self.mu if self.friction_in_normal_stage or not normal_stage else 0.0

@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from ..straight_way import StraightWay
 from .interpolation import Edges
 from .layout import Layout
 
@@ -114,14 +115,17 @@ class PiecewiseField:
 
 @dataclass(frozen=True)
 class Memory:
-    """Last state (None before first contact), its layout, and functions of x: slip, its reference u_x - delta_x,
-    pressure; and the directions in which Q and the strain last moved."""
+    """Last state (None before first contact), its layout, functions of x: slip, its reference u_x - delta_x, pressure,
+    traction, gap; the straight way of the loads so far, and the directions in which Q and the strain last moved."""
 
     state: ContactState | None
     layout: Layout
     slip: Callable = np.zeros_like
     reference: Callable = np.zeros_like
     pressure: Callable = np.zeros_like
+    traction: Callable = np.zeros_like
+    gap: Callable = np.zeros_like
+    way: StraightWay | None = None
     direction: tuple[float, float] = (0.0, 0.0)
 
     def position(self, x):

@@ -23,15 +23,6 @@ class Load(NamedTuple):
         """The load after this share of the straight way to another."""
         return Load(*(mine + share * (theirs - mine) for mine, theirs in zip(self, other)))
 
-    def is_between(self, start: "Load", end: "Load") -> bool:
-        """Whether it lies on the straight way from one load to another."""
-        return self.is_near(start.towards(end, np.clip(self.share_of_way(start, end), 0.0, 1.0)))
-
-    def share_of_way(self, start: "Load", end: "Load") -> float:
-        """How far it is on the way from one load to another, which is 1; 0 where both are equal."""
-        way, come = np.subtract(end, start), np.subtract(self, start)
-        return float(come @ way / max(way @ way, SAME**2))
-
     def is_near(self, other: "Load") -> bool:
         """Whether both are equal but for round-off."""
         return np.allclose(self, other, rtol=0, atol=SAME * self.P)

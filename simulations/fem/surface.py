@@ -60,6 +60,11 @@ class SurfaceState:
         """Stored by elastic slip,  ∫ c q²/2 dx ."""
         return self.elastic * self.line_load(self.traction**2) / 2
 
+    @property
+    def conjugates(self) -> tuple[float, float, float]:
+        """What P, Q and the strain of the body do work on: delta_y, delta_x and  ∫ q x dx ."""
+        return float(self.delta[Y]), float(self.delta[X]), self.line_load(self.traction * self.x)
+
     def line_load(self, values) -> float:
         """Integral of nodal values over the surface."""
         return float(self.weight @ values)

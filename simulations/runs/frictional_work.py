@@ -1,24 +1,15 @@
-"""Frictional work: where it is done in a load step, and how much of it while loads go straight on.
+"""Frictional work of each point: where it is done in a load step.
 
 Every point has its own limit of friction over its own slip: the traction of a point that slides is q = ±mu p(t), with t
 from 0 to 1 in the step. What p(t) and the slip s(t) are like between two states is known to leading order, and weighs
-the pressures before and after in -∫ q ds. The sum over all points and load steps follows from the balance of energy
-too, and better: displacements of the indenter are smooth functions of the load, as those of single points are not.
+the pressures before and after in -∫ q ds. The sum over all points is known better (``analytic.straight_way``).
 """
-
-from collections.abc import Sequence
 
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
-from scipy.interpolate import make_interp_spline
 
-from ..fem.load import SAME, Load
 from ..fem.surface import SurfaceState
 
-FEWEST = 4  # load steps from which the balance of energy counts
-SMOOTH = 0.03  # of the energy: by how much every second load step may change it
-KNOWN = 3e-4  # of the energy: what the balance is off by itself, so that it corrects no less
-FAR = 10.0  # times the way of the loads: a limit of friction that is farther does not matter
 MOVES = 0.02  # of a point's distance from the edge: motions of the edge below do not count
 NEAREST = 0.25  # of the spacing of nodes: what an edge between nodes is known to
 
@@ -52,57 +43,12 @@ def frictional_work(
     return np.maximum(-q * moved, 0.0)  # a point that has left contact may go on the other way
 
 
-def work_on_straight_way(states: Sequence[SurfaceState], loads: Sequence[Load], coupled: bool) -> float | None:
-    """Energy that friction takes while loads go straight from the first to the last; None where that is not known.
-
-    Means of the forces in each load step balance energies exactly (``energy``): tractions lose the work of the loads
-    less the change of stored energy. All but this work are what they are with loads that change steadily. So its error
-    is put right: that of trapezoids for the complementary work, with t from 0 to 1 on the way,
-
-        ∫ g dt,    g = δx ΔQ + δy ΔP + Δε ∫ q x dx.
-
-    g is a cubic spline in between, and known where one of every second load step says the same. coupled: the pressure
-    takes part, and loses too where points enter or leave contact; else there is a balance without it.
-    """
-    start, way = loads[0], np.subtract(loads[-1], loads[0])
-    t = np.array([load.share_of_way(start, loads[-1]) for load in loads])
-    steps = np.flatnonzero(np.diff(t, prepend=-1.0) > SAME)  # without dwells
-    if len(steps) <= FEWEST:
-        return None
-    dP, dQ, strain = way
-    g = np.array([s.delta @ (dQ, coupled * dP) + strain * s.line_load(s.x * s.traction) for s in states])
-    lost = sum(_loss(before, after, coupled) for before, after in zip(states, states[1:]))
-    last = _last_to_slide(start, way, states[0].mu)
-    fine, coarse = (_integral(t[n], g[n], last) for n in (steps, np.append(steps[:-1:2], steps[-1])))
-    work = lost + float(np.trapezoid(g, t)) - fine
-    return work if abs(fine - coarse) < SMOOTH * work else None
-
-
-def _loss(before: SurfaceState, after: SurfaceState, coupled: bool) -> float:
-    """What tractions lose in a load step, with means of the forces."""
-    loss = (before.traction + after.traction) * (before.relative_displacement - after.relative_displacement)
+def loss(before: SurfaceState, after: SurfaceState, coupled: bool) -> float:
+    """What tractions, and with coupling pressures, lose in a load step by means of the forces."""
+    lost = (before.traction + after.traction) * (before.relative_displacement - after.relative_displacement)
     if coupled:
-        loss += (before.pressure + after.pressure) * (before.approach - after.approach)
-    return before.line_load(loss) / 2
-
-
-def _last_to_slide(start: Load, way: np.ndarray, mu: float) -> float:
-    """t at which the last point would begin to slide, where |Q| = mu P; after a turn, where |ΔQ| = mu (P + P(0))."""
-    (P, Q, _), (dP, dQ, _) = start, way
-    found = [FAR]
-    for sign in (1, -1):
-        if sign * dQ > mu * dP:
-            room = mu * P - sign * Q if sign * Q >= 0 else 2.0 * mu * P
-            found.append(room / (sign * dQ - mu * dP))
-    return max(min(found), 1.0)
-
-
-def _integral(t: np.ndarray, g: np.ndarray, last: float) -> float:
-    """∫ g dt from 0 to 1, g smooth in w = 1 - sqrt(1 - t/last), as displacements end steeply at ``last``."""
-    w = 1.0 - np.sqrt(1.0 - t / last)
-    once = make_interp_spline(w, g, k=min(3, len(w) - 1)).antiderivative()
-    twice = once.antiderivative()
-    return 2.0 * last * float((1.0 - w[-1]) * once(w[-1]) + twice(w[-1]))  # dt = 2 last (1 - w) dw, by parts
+        lost += (before.pressure + after.pressure) * (before.approach - after.approach)
+    return before.line_load(lost) / 2
 
 
 def work_of_pressing(after: SurfaceState, k: float, m: float) -> np.ndarray:

@@ -5,11 +5,12 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ..fem.load import SAME
+from analytic.straight_way import StraightWay
+
 from ..fem.surface import SurfaceState, fitted_contact_edges, fitted_stick_edges
 from ..loading.schedule import LoadStep, pressed_first
 from ..loading.stepping import Outcome
-from .frictional_work import KNOWN, frictional_work, work_of_pressing, work_on_straight_way
+from .frictional_work import frictional_work, loss, work_of_pressing
 
 SEPARATED, STICK, SLIP = 0, 1, 2  # contact states in files
 PARABOLA = 2.0  # exponent for the first load step of a contact that does not grow similar to itself: an estimate
@@ -90,8 +91,7 @@ class History:
     exponents: Callable[[float], tuple[float, ...]] | None = None
     coupled: bool = False
     entries: list[Entry] = field(default_factory=list)
-    _way: int = field(init=False, default=0, repr=False)  # number of the first load step on the present straight way
-    _share: float = field(init=False, default=1.0, repr=False)  # its work by the balance of energy over that of points
+    _way: StraightWay = field(init=False, repr=False)  # the present one
     _rest: np.ndarray = field(init=False, repr=False)  # (n,) relative displacement from which slip counts
 
     def append(self, outcome: Outcome, surface: SurfaceState, seconds: float) -> Entry:
@@ -146,36 +146,24 @@ class History:
         return frictional_work(before.surface, after, edges, self.k, next(others, None))
 
     def _add_work(self):
-        """Sum up the frictional work on the last straight way of the loads: that of points in its load steps, times
+        """Sum up the frictional work on the present straight way of the loads: that of points in its load steps, times
         what makes its sum that of the balance of energy.
         """
-        last, share = len(self.entries) - 1, 1.0
-        if not self._goes_on(last):
-            self._way = last
-        if self._way and self.friction:
-            share = self._balanced_share(self.entries[self._way - 1 :])
-        first = last if share == self._share else self._way  # else all of the way has another sum
-        work = self.entries[first - 1].work if first else np.zeros_like(self.entries[0].own_work)
+        first, entry = len(self.entries) - 1, self.entries[-1]
+        load, conjugates = entry.step.load, entry.surface.conjugates
+        if entry.step.branch == "normal" or not first:
+            self._way, share = StraightWay(self.mu, self.coupled, (load,), (conjugates,)), 1.0
+        else:
+            way = self._way if self._way.goes_on(load) else self._way.turned()
+            lost = loss(self.entries[-2].surface, entry.surface, self.coupled)
+            self._way = way.to(load, conjugates, lost, entry.surface.line_load(entry.own_work))
+            share = self._way.share
+            if share != way.share:  # all of the way has another sum
+                first -= len(way.loads) - 1
+        work = self.entries[first - 1].work if first else np.zeros_like(entry.own_work)
         for entry in self.entries[first:]:
             work = work + share * entry.own_work
             self.entries[entry.number] = replace(entry, work=work, dissipated=entry.surface.line_load(work))
-        self._share = share
-
-    def _goes_on(self, number: int) -> bool:
-        """Whether the load goes straight on in a load step, from where the present way began."""
-        if not self._way or self.entries[number - 1].step.branch == "normal":
-            return False
-        start, before, step = (self.entries[i].step for i in (self._way - 1, number - 1, number))
-        return before.load.is_between(start.load, step.load)
-
-    def _balanced_share(self, way: list[Entry]) -> float:
-        """Work of friction by the balance of energy, over that of points, from the first entry to the last."""
-        loads, surfaces = [entry.step.load for entry in way], [entry.surface for entry in way]
-        if not self.coupled and np.ptp([load.P for load in loads]) < SAME:
-            return 1.0  # where the pressure stays that of points is exact
-        of_points = sum(entry.surface.line_load(entry.own_work) for entry in way[1:])
-        balance = work_on_straight_way(surfaces, loads, self.coupled) if of_points > 0 else None
-        return balance / of_points if balance and abs(balance - of_points) > KNOWN * balance else 1.0
 
     @property
     def friction(self) -> bool:

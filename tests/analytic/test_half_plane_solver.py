@@ -214,7 +214,7 @@ def test_result_does_not_depend_on_units():
 
 def test_convergence_in_nodes():
     """Coupled edges and energy of the loop against the finest nodes: at least first order per doubling."""
-    coarse, middle, fine = (loop(0.0, nodes=nodes) for nodes in (100, 200, 400))
+    coarse, middle, fine = (loop(0.0, increments=16, nodes=nodes) for nodes in (100, 200, 400))
     for states, tolerance in ((coarse, 1e-3), (middle, 5e-4)):
         assert states[1].contact == pytest.approx(fine[1].contact, rel=tolerance)
         assert states[1].stick == pytest.approx(fine[1].stick, rel=tolerance)

@@ -1,13 +1,10 @@
 """The energy that friction takes on a straight way of the loads follows from the balance of energy."""
 
-import numpy as np
 import pytest
 from mpi4py import MPI
 from running import COARSE
 
-from simulations.fem.load import Load
 from simulations.runs.closed_forms import Springs
-from simulations.runs.frictional_work import work_on_straight_way
 from simulations.runs.simulation import Simulation
 from simulations.scene import make_scene
 
@@ -64,23 +61,3 @@ def test_a_dwell_and_a_point_on_the_way_change_nothing():
     assert stops.history.dissipated_energy == pytest.approx(straight.history.dissipated_energy, rel=1e-3)
     assert len(stops.history.entries) == len(straight.history.entries) + 12
     assert stops.history.entries[-1].work.sum() == pytest.approx(straight.history.work.sum(), rel=1e-3)
-
-
-def test_a_way_that_is_not_smooth_has_no_balance():
-    """What every second load step tells is another energy."""
-    history = run(STRONG | {"load.cycles": 0}, 6).history
-    states = [entry.surface for entry in history.entries]
-    loads = [entry.step.load for entry in history.entries]
-    assert work_on_straight_way(states, loads, True) > 0
-    bent = loads[:3] + [Load(load.P, 3 * load.Q) for load in loads[3:]]
-    assert work_on_straight_way(states, bent, True) is None
-    assert work_on_straight_way(states[:4], loads[:4], True) is None
-
-
-def test_between():
-    start, end = Load(1.0, 0.0), Load(0.5, 0.2)
-    assert Load(0.75, 0.1).is_between(start, end) and end.is_between(start, end) and start.is_between(start, end)
-    assert not Load(0.75, 0.1 + 1e-6).is_between(start, end)
-    assert not Load(0.4, 0.24).is_between(start, end) and not start.is_between(end, Load(0.6, 0.16))
-    assert start.is_between(start, start) and not end.is_between(start, start)
-    assert not np.any([Load(0.75, 0.1, 1e-6).is_between(start, end)])

@@ -1,0 +1,68 @@
+"""The energy that friction takes on a straight way of the loads follows from the balance of energy."""
+
+import numpy as np
+import pytest
+
+from analytic import GradedHalfPlane, HalfPlaneContact, PowerProfile
+from analytic.straight_way import StraightWay
+
+SOLID, PROFILE = GradedHalfPlane(1.0, 0.2, 0.0, 1.0), PowerProfile(0.5, 2.0)
+LOOP = [(1.0, 0.0), (1.0, 0.45), (1.0, -0.45)]
+FALLING = [(0.89, 0.0), (0.71, 0.1), (0.27, 0.007), (0.61, 0.13)]
+
+
+def way_of(*loads) -> StraightWay:
+    """Through these loads, with displacements like a square root of the way."""
+    way = StraightWay(0.5, True, loads[:1], ((0.0, 0.0, 0.0),))
+    for n, load in enumerate(loads[1:], 1):
+        way = way.to(load, (0.0, 1.0 - np.sqrt(1.0 - n / len(loads)), 0.0), 0.01, 0.01)
+    return way
+
+
+def energies(points, steps, **options):
+    """Work of friction by the solver at each of the ``points``, and by points alone."""
+    solver = HalfPlaneContact(SOLID, PROFILE, 0.5, nodes=120, **options)
+    shares = np.arange(1, steps + 1)[:, None] / steps
+    loads = [points[0], *(tuple(load) for a, b in zip(points, points[1:]) for load in a + shares * np.subtract(b, a))]
+    return np.array([state.dissipated_energy for state in solver.run(loads)[::steps]])
+
+
+@pytest.mark.parametrize("coupling", [True, False])
+def test_few_load_steps_while_P_changes(monkeypatch, coupling):
+    """Points that enter contact stop too early in such load steps: what is left is the error of the states."""
+    few, many = (energies(FALLING, steps, coupling=coupling) for steps in (8, 32))
+    assert few[1] == pytest.approx(many[1], rel=3e-3)
+    assert few[-1] == pytest.approx(many[-1], rel=4e-2)
+    monkeypatch.setattr(StraightWay, "share", 1.0)
+    by_points = energies(FALLING, 8, coupling=coupling)
+    assert np.all(np.abs(by_points - many)[1:] > 2 * np.abs(few - many)[1:])
+
+
+def test_constant_pressure_is_left_to_the_points(monkeypatch):
+    """Without coupling they are exact."""
+    found = energies(LOOP, 8, coupling=False)
+    monkeypatch.setattr(StraightWay, "share", 1.0)
+    assert np.array_equal(found, energies(LOOP, 8, coupling=False))
+
+
+def test_a_way_that_is_not_smooth_has_no_balance():
+    """What every second load step tells is another energy; few load steps tell nothing."""
+    loads = [(1.0, 0.1 * n, 0.0) for n in range(7)]
+    smooth = way_of(*loads)
+    assert smooth.share != 1.0 and way_of(*loads[:4]).share == 1.0
+    jumps = tuple((0.0, float(n % 2), 0.0) for n in range(7))
+    assert StraightWay(0.5, True, smooth.loads, jumps, smooth.loss, smooth.of_points).share == 1.0
+
+
+@pytest.mark.parametrize("unit", [1.0, 1e6])
+def test_which_load_goes_straight_on(unit):
+    def load(P, Q, strain=0.0):
+        return P * unit, Q * unit, strain
+
+    way = way_of(load(1.0, 0.0), load(0.75, 0.1))
+    assert way.goes_on(load(0.5, 0.2)) and way.goes_on(load(0.75, 0.1)) and way.turned().goes_on(load(0.9, 0.3))
+    assert not way.goes_on(load(0.5, 0.2 + 1e-6)) and not way.goes_on(load(0.5, 0.2, 1e-6))
+    assert not way.goes_on(load(0.8, 0.08)) and not way.goes_on(load(0.6, 0.2))
+    stretched = way_of(load(1.0, 0.0), load(1.0, 0.1, 1e-4))
+    assert stretched.goes_on(load(1.0, 0.2, 2e-4)) and not stretched.goes_on(load(1.0, 0.2, 2.01e-4))
+    assert not stretched.goes_on(load(1.0, 0.2, 1e-4)) and not stretched.goes_on(load(1.0, 0.1))
