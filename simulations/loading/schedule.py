@@ -7,6 +7,8 @@ import numpy as np
 
 from ..fem.load import NO_LOAD, Load
 
+SHORT = 0.1  # of a load step: the last one before a turn, on an ellipse of loads
+
 
 @dataclass(frozen=True)
 class LoadStep:
@@ -46,24 +48,27 @@ def pressing(P: float, steps: int = 1, power: float = 2.0) -> list[LoadStep]:
 def rocking(P: float, Q_A: float, cycles: int, quarter: int, harmonic: bool = False) -> list[LoadStep]:
     """To +Q_A, then ``cycles`` times to -Q_A and back, ``quarter`` load steps per Q_A.
 
-    harmonic: the steps of a cycle are equal in the angle of Q = Q_A cos(angle), not in Q.
+    harmonic: the steps of a cycle are equal in the angle of Q = Q_A cos(angle), not in Q. The last before each turn is
+    followed by a short one: strain that lags stops points just before the turn, which still slide in a long step.
     States of Figure 11: A = +Q_A, B = +Q_A/2 on the way down, C = 0, D = -Q_A/2, E = -Q_A. B and D are marked on the
     nearest load steps.
     """
     ramp = np.arange(1, quarter + 1) / quarter
     swing = np.arange(1, 2 * quarter + 1) / quarter
-    angle = np.pi / 2 / quarter if harmonic else 0.0
+    angles = np.zeros(len(swing))
     if harmonic:
+        swing = np.insert(swing, -1, 2 - SHORT / quarter)
+        angles = np.diff(swing, prepend=0.0) * np.pi / 2
         swing = 1 - np.sin(np.pi / 2 * (1 - swing))  # 1 where Q passes zero, to the last digit
     schedule = [LoadStep(Load(P, Q_A * z), "initial", direction=1) for z in ramp]
     schedule[-1] = replace(schedule[-1], state="A")
     for cycle in range(1, cycles + 1):
-        down = [LoadStep(Load(P, Q_A * (1 - z)), "unloading", "", cycle, -1, angle) for z in swing]
+        down = [LoadStep(Load(P, Q_A * (1 - z)), "unloading", "", cycle, -1, angle) for z, angle in zip(swing, angles)]
         for state, z in (("B", 0.5), ("C", 1.0), ("D", 1.5), ("E", 2.0)):
-            i = round(np.interp(z, [0.0, *swing], np.arange(2 * quarter + 1))) - 1
+            i = round(np.interp(z, [0.0, *swing], np.arange(len(swing) + 1))) - 1
             if i >= 0:
                 down[i] = replace(down[i], state=state)
-        up = [LoadStep(Load(P, Q_A * (z - 1)), "reloading", "", cycle, 1, angle) for z in swing]
+        up = [LoadStep(Load(P, Q_A * (z - 1)), "reloading", "", cycle, 1, angle) for z, angle in zip(swing, angles)]
         up[-1] = replace(up[-1], state="A")
         schedule += down + up
     return schedule

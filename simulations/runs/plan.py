@@ -136,7 +136,7 @@ class Plan:
     def _loop(self, cycles: int, quarter: int, normal: list[LoadStep]) -> list[LoadStep]:
         """The normal stage and rocking, ``quarter`` load steps per Q_A."""
         scene = self.scene
-        strained, phase = "bulk strain" in self.effects, scene.bulk_phase
-        harmonic = strained and phase not in (0.0, "constant")  # else Q and strain go straight
+        strained = "bulk strain" in self.effects
+        harmonic = strained and scene.load.strain_lags  # else Q and strain go straight
         schedule = normal + rocking(1.0, scene.load.amplitude * self.mu, cycles, quarter, harmonic)
-        return stretched(schedule, self._strain, phase) if strained else schedule
+        return stretched(schedule, self._strain, scene.bulk_phase) if strained else schedule

@@ -20,6 +20,7 @@ from .table import KINDS, Table, fields, model_for, unknown
 from .tables import ONE_OF_TWO, TANGENTIAL, AnyIndenter, AnyLoad, AnySolid
 from .tables import Formula, Fretting, Homogeneous, Indentation, Path
 
+ON_AN_ELLIPSE = 12  # load steps a quarter: with 6 points turn so late that the energy is off by up to 1.6 %, then 0.6 %
 NEEDED = "f is to be 0 at 0, positive beside it, and convex as far as contact reaches"
 
 
@@ -36,7 +37,8 @@ def typed_tables(given: Mapping[str, Any]) -> dict[str, Table]:
     indenter: AnyIndenter = model_for("indenter", raw["indenter"])(**raw["indenter"])
     effects = _effects(raw["effects"], raw["load"])
     load = _load(raw["load"], effects.friction)
-    solver = Solver(**raw["solver"])
+    steps = {"increments": ON_AN_ELLIPSE} if isinstance(load, Fretting) and load.strain_lags else {}
+    solver = Solver(**(steps | raw["solver"]))
     if solver.accuracy is not None:
         material = solid if effects.grading else Homogeneous(E0=solid.E0, nu=solid.nu)
         coupled = effects.coupling and not is_decoupled(material)

@@ -58,7 +58,12 @@ class Solver(Table):
         le=1000,
         description="load steps of P with friction in the normal stage; equal in the half-width under a power profile",
     )
-    increments: Count = Field(default=6, ge=1, le=1000, description="load steps per quarter cycle, or between points")
+    increments: Count = Field(
+        default=6,
+        ge=1,
+        le=1000,
+        description="load steps per quarter cycle, or between points; 12 where a bulk strain lags behind Q",
+    )
     gamma0: Dimensionless = Field(
         default=10.0, ge=1e-3, le=1e6, description="Nitsche's parameter over m² E/((1−ν²) h), m = mesh.degree"
     )

@@ -193,6 +193,11 @@ class Fretting(Load):
         description='lag of the strain behind Q, 0 if empty; "constant": it grows with Q up to +Q_A, and stays',
     )
 
+    @property
+    def strain_lags(self) -> bool:
+        """Whether Q and the bulk strain go round an ellipse."""
+        return self.bulk_phase not in (None, 0, "constant")
+
     @model_validator(mode="after")
     def _bulk_keys_go_together(self):
         if self.bulk_strain is not None and self.bulk_stress is not None:
