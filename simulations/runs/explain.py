@@ -10,10 +10,12 @@ TERMS = {X: "tangential traction", Y: "contact pressure"}
 
 
 def explain(simulation: Simulation) -> str:
-    """The effects with their reasons and what is left out, then the sizes of the problem, and warnings."""
+    """The effects with their reasons and what is left out, then the sizes of contact and problem, and warnings."""
     body, solver = simulation.body, simulation.scene.solver.method
     problems = [simulation.solver.normal, simulation.solver.frictional]
-    lines = [str(simulation.effects), f"{'unknowns':26s} {body.unknowns}"]
+    about, scales = "" if simulation.contact else "about ", simulation.scaled.scales
+    size = f"{about}a = {scales.length:.4g} m, mean pressure P/(2a) = {about}{scales.stress / 2:.4g} Pa"
+    lines = [str(simulation.effects), f"{'contact':26s} {size}", f"{'unknowns':26s} {body.unknowns}"]
     for stage, problem in zip(("normal stage", "tangential stage"), problems):
         if problem is not None:
             unknown = " and ".join(TERMS[i] for i in problem.directions)

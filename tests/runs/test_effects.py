@@ -111,6 +111,7 @@ def test_explain_names_every_effect_and_writes_nothing(tmp_path):
     names = ("grading", "friction", "symmetry", "coupling", "friction in normal stage", "incompressibility")
     for name in (*names, "load schedule", "indenter profile", "anchors of stick", "unknowns"):
         assert name in done.stdout
+    assert "a = 0.001044 m, mean pressure P/(2a) = " in done.stdout  # a wrong unit is seen before the run
     assert not (tmp_path / "results").exists()
 
 
