@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from mpi4py import MPI
-from running import COARSE, ROOT
+from running import COARSE, ROOT, run_python
 
 import simulations
 from simulations import ChecksWarning, SceneError, make_scene, parse, run, sweep
@@ -76,6 +76,26 @@ def test_checks_that_fail_are_a_warning(monkeypatch):
         warnings.simplefilter("error", ChecksWarning)
         with pytest.raises(ChecksWarning):
             run(QUICK)
+
+
+PLAIN = """
+import logging, warnings
+from pathlib import Path
+{before}
+from simulations import run
+warnings.warn("the user's own")
+run({changes!r}, base=Path("scenes/path.toml"))
+"""
+
+
+@pytest.mark.parametrize("before", ["", "import dolfinx", "logging.basicConfig(); logging.captureWarnings(True)"])
+def test_a_plain_script_shows_warnings(before):
+    """Though ffcx has them logged; what the user set up for logs is kept."""
+    coarse = {"mesh.facet": 0.1, "mesh.edge_facet": 0.02, "mesh.first_layer": 0.02, "reference.kind": "none"}
+    done = run_python("-c", PLAIN.format(before=before, changes=coarse))
+    assert done.returncode == 0 and "the user's own" in done.stderr
+    assert "ChecksWarning: checks that fail: traction zigzags" in done.stderr
+    assert ("WARNING:py.warnings" in done.stderr) == ("captureWarnings" in before)
 
 
 def test_the_energy_of_a_path_is_checked_beside_its_closed_form():
