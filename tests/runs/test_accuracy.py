@@ -205,6 +205,13 @@ def test_estimate_knows_what_few_load_steps_do_to_the_energy_of_a_loop(effect):
     assert 1e-3 < error < 1.5 * found["errors"]["dissipated_energy"] < 6 * error
 
 
+def test_normal_increments_are_not_doubled_without_friction_in_the_normal_stage():
+    """They have no effect, and twice as many would be too many for a scene."""
+    path = PATH.format("[1e4, 2e3], [6e3, 1e3]")
+    few = simulated(scene_with(COARSE | {"solver.increments": 1, "solver.normal_increments": 600}, path))
+    assert np.isfinite(estimate.of_load_steps(few).largest)
+
+
 def test_the_largest_error_may_be_negative():
     errors = estimate.Errors({"pressure_l2": 0.1, "dissipated_energy": -0.2}, {"pressure_l2": 0.15}, False)
     assert errors.largest == errors.summary()["largest_error"] == 0.2
