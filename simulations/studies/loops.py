@@ -68,7 +68,7 @@ def simulate(
 
     Raises ContactNotConverged where no attempt converges.
     """
-    failure = None
+    failure = ContactNotConverged("no attempt was asked for")
     for quarter, nodes in attempts:
         solver = HalfPlaneContact(solid, profile, mu=mu, nodes=nodes)
         try:

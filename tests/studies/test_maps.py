@@ -55,6 +55,11 @@ def test_simulation_is_the_theory_where_that_is_exact():
     assert simulated.density == pytest.approx(theory.density, rel=1e-3)
 
 
+def test_without_an_attempt_there_is_no_loop():
+    with pytest.raises(ContactNotConverged, match="no attempt"):
+        simulate(GradedHalfPlane(E0=1.0, nu=0.3, k=0.3, y0=1.0), profile(2.0, 0.3), load(0.3), 0.3, 0.9, attempts=())
+
+
 def test_density_sums_up_to_the_energy():
     """1e-4: trapezoids between the states' nodes."""
     solid = GradedHalfPlane(E0=1.0, nu=0.3, k=0.3, y0=1.0)
