@@ -13,7 +13,7 @@ from .cylinder import CylinderContact
 from .fretting import FrettingLoop
 from .material import GradedHalfPlane
 from .partial_slip import PartialSlip
-from .profile import Profile, abel_factor, density_power
+from .profile import PowerProfile, Profile, abel_factor, density_power
 from .quadrature import plain_rule
 from .special import punch_rigid_factor
 
@@ -26,13 +26,13 @@ ROOT = {"xtol": 1e-15, "rtol": 1e-15, "maxiter": 1000}
 class ProfileContact:
     """Indenter f(x) in contact over |x| < a; fields take x of any shape and return that shape.
 
-    profile: a Profile or PowerProfile. a: contact half-width [length], a > profile.flat, else
-    ValueError; from_load finds it from the load. The methods are those of CylinderContact, with
-    log_ratio, and with it the load Q of partial slip and fretting, a single number.
+    a: contact half-width [length], a > profile.flat, else ValueError; from_load finds it from the
+    load. The methods are those of CylinderContact, with log_ratio, and with it the load Q of
+    partial slip and fretting, a single number.
     """
 
     solid: GradedHalfPlane
-    profile: Profile
+    profile: Profile | PowerProfile
     a: float
 
     def __post_init__(self):

@@ -5,6 +5,7 @@
 
 import math
 import os
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
@@ -16,7 +17,7 @@ from .commandline import make_folders, study_parser
 from .paper import comparisons, distributions, energies
 from .paper.elements import Deviation, Runs
 
-FIGURES = {
+FIGURES: dict[int, Callable] = {
     4: partial(distributions.draw, number=4, y0_over_a0=0.1, quantity="traction"),
     5: partial(distributions.draw, number=5, y0_over_a0=10.0, quantity="traction"),
     6: partial(distributions.draw, number=6, y0_over_a0=0.1, quantity="density"),

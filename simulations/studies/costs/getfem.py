@@ -37,7 +37,7 @@ def measure(case: Case) -> dict:
     edges = -scaled.contact.a, -0.317, 0.317, scaled.contact.a
     layer_growth, extent, is_mixed = GETFEM[t]
     grading = Grading(edges, 0.025 * t, edge, 1.6, edge, layer_growth, extent)
-    schedule = rocking(1.0, 0.9 * scene.load.mu, 1, QUARTER)
+    schedule = rocking(1.0, 0.9 * scene.mu, 1, QUARTER)
     wall, cpu = time.perf_counter(), time.process_time()
     try:
         unknowns, states = _loop(scene, scaled, grading, is_mixed, schedule)
@@ -107,7 +107,7 @@ def _loop(scene, scaled, grading, is_mixed, schedule):
         if not converged:
             raise RuntimeError(f"not converged at P = {P:g}, Q = {Q:g}")
 
-    states = _states(model, mesh, u, schedule, solve, scene.load.mu)
+    states = _states(model, mesh, u, schedule, solve, scene.mu)
     return model.nbdof(), states
 
 

@@ -25,7 +25,7 @@ def answer(
 ) -> dict[str, tuple[float, float]]:
     """Exponent k and ratio of the "least" and of the "most" over the exponents that ``found`` holds; nan without."""
     by_k = ratios(found, quantity, m, amplitude, y0_over_a0) or {float("nan"): float("nan")}
-    least, most = min(by_k, key=by_k.get), max(by_k, key=by_k.get)
+    least, most = min(by_k, key=lambda k: by_k[k]), max(by_k, key=lambda k: by_k[k])
     return {"least": (least, by_k[least]), "most": (most, by_k[most])}
 
 

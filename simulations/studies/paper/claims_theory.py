@@ -146,7 +146,7 @@ def against_depth(panel, k, words, sign) -> Claim:
 
 def thin_exponents() -> Claim:
     """Figure 9a: every positive k below every negative one?"""
-    energy = {k: curve(k, THIN, 0.9) for k in (-0.5, -0.25, 0.0, 0.25, 0.5)}
+    energy = {k: float(curve(k, THIN, 0.9)) for k in (-0.5, -0.25, 0.0, 0.25, 0.5)}
     shown = max(energy[0.25], energy[0.5]) < min(energy[-0.5], energy[-0.25])
     above = [(k, nu) for k in ALL_K if k > 0 for nu in RATIOS if curve(k, THIN, 0.9, nu) > energy[0.0]]
     text = ", ".join(f"{value:.3f}" for value in energy.values())
@@ -166,10 +166,10 @@ def thick_exponents() -> Claim:
     """Figure 9b: monotone in k?"""
     breaks = []
     for nu in RATIOS:
-        energy = np.array([curve(k, THICK, AMPLITUDES, nu) for k in ALL_K])
-        down = np.any(np.diff(energy, axis=0) <= 0, axis=1)
+        curves = np.array([curve(k, THICK, AMPLITUDES, nu) for k in ALL_K])
+        down = np.any(np.diff(curves, axis=0) <= 0, axis=1)
         breaks += [(ALL_K[i], nu) for i in np.flatnonzero(down)]
-    energy = {k: curve(k, THICK, 0.9) for k in (-0.5, -0.25, 0.0, 0.25, 0.5)}
+    energy = {k: float(curve(k, THICK, 0.9)) for k in (-0.5, -0.25, 0.0, 0.25, 0.5)}
     shown = bool(np.all(np.diff(list(energy.values())) > 0))
     text = f"k = −0.5 … 0.5, Q_A = 0.9 μP: {', '.join(f'{v:.3f}' for v in energy.values())}; "
     if breaks:

@@ -102,7 +102,7 @@ class Runs:
             for entry in simulation.history.entries:  # A is the end of the first loading, not of the cycle
                 if entry.step.state and entry.step.state not in states:
                     states[entry.step.state] = _field(entry, simulation)
-            energy = simulation.history.dissipated_energy / own_units(simulation.contact).energy
+            energy = simulation.history.dissipated_energy / _own_units(simulation).energy
             self._kept[key] = Loop(states, energy)
         return self._kept[key]
 
@@ -130,8 +130,13 @@ class Runs:
         return Grading(edges=tuple(edges), **scene.cell_sizes)
 
 
+def _own_units(simulation: Simulation) -> Units:
+    assert isinstance(simulation.contact, CylinderContact)  # as the scenes here are
+    return own_units(simulation.contact)
+
+
 def _field(entry, simulation: Simulation) -> Field:
-    own, surface = own_units(simulation.contact), entry.surface
+    own, surface = _own_units(simulation), entry.surface
     return Field(
         x=surface.x / own.length,
         weight=surface.weight / own.length,
