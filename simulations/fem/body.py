@@ -15,6 +15,7 @@ from forms import elasticity, weak_form
 from forms.contact import X, Y
 from forms.modulus import with_parameters
 
+from .load import Load
 from .mesh import FAR, SURFACE, SYMMETRY
 from .spaces import SurfaceNodes, create_space
 from .stiffness import assemble_stiffness, cell_heights, modulus_correction
@@ -151,11 +152,11 @@ class ElasticBody:
         strain, nu = 0.0 if self.strain is None else float(self.strain.value), float(self.nu.value)
         return np.stack([strain * x, -nu / (1 - nu) * strain * y], axis=1)
 
-    def set_far_field(self, load):
-        """Prescribe the displacement of the loads ``(Q, P)`` on the outer boundary."""
-        self.far_value.x.array[self._far_dofs] = (load[X] * self._far_field[X] + load[Y] * self._far_field[Y]).T
+    def set_far_field(self, load: Load):
+        """Prescribe the displacement of the loads P and Q on the outer boundary."""
+        self.far_value.x.array[self._far_dofs] = (load.Q * self._far_field[X] + load.P * self._far_field[Y]).T
 
-    def apply_far_field(self, load):
+    def apply_far_field(self, load: Load):
         """``set_far_field``, and the same values in ``state``."""
         self.set_far_field(load)
         self.state.x.array[self._far_dofs] = self.far_value.x.array[self._far_dofs]

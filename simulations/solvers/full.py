@@ -37,7 +37,7 @@ class FullSystem(System):
         """Prescribe the line loads and fill ``x`` with the present state."""
         self._load = load
         body = self.problem.body
-        body.apply_far_field(load.components)
+        body.apply_far_field(load)
         self._join(body.state.x.petsc_vec, body.delta.value[self._rigid], x)
 
     def residual(self, x, f) -> tuple[float, float]:

@@ -97,7 +97,7 @@ def test_the_springs_push_back_as_the_body_without_them_says(with_springs):
     body, nodes = bare.body, bare.body.surface_nodes.collect(bare.body.surface_nodes.owned)
     right, u = body.stiffness.createVecLeft(), body.stiffness.createVecRight()
     right.array[body.dofs[nodes]] = last.weight[:, None] * forces
-    body.set_far_field(stiff.schedule[-1].load.components)
+    body.set_far_field(stiff.schedule[-1].load)
     lifted = body.stiffness.createVecLeft()
     body.stiffness.mult(body.far_value.x.petsc_vec, lifted)
     right.axpy(-1.0, lifted)

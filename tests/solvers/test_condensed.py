@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from solving import coarse_simulation, solved, watched
 
+from simulations.fem.load import NO_LOAD
 from simulations.solvers.condensed import surface_compliance
 from simulations.solvers.condensed.mirror import parts
 from simulations.solvers.condensed.tangent import DenseTangent
@@ -55,7 +56,7 @@ def test_compliance_solves_the_whole_body(k):
     matrix = compliance.matrix((0, 1))
     forces = np.zeros(2 * compliance.n)
     forces[[3, compliance.n + 5]] = 1.0, -2.0
-    compliance.body.set_far_field((0.0, 0.0))
+    compliance.body.set_far_field(NO_LOAD)
     compliance.put(matrix.apply(forces))
     compliance.recover()
     residual = body.stiffness.createVecLeft()

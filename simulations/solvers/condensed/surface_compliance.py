@@ -15,6 +15,7 @@ from scipy.linalg import solve
 from scipy.sparse import csr_matrix, vstack
 
 from ...fem.body import ElasticBody, X
+from ...fem.load import Load
 from ...fem.parallel import gathered
 from .matrix import Block, ComplianceMatrix, StripInside
 from .mirror import NONE, Part, parts
@@ -36,7 +37,7 @@ class SurfaceCompliance:
         self._mine: list[tuple[Part, _Half]] = []  # the parts that this rank takes
         self._blocks: list = []
         self.far = np.zeros((len(self.strip), 2))
-        loads = np.stack([self._lifting(load) for load in np.eye(2)], axis=1)
+        loads = np.stack([self._lifting(load) for load in (Load(P=0.0, Q=1.0), Load(P=1.0, Q=0.0))], axis=1)
         failure: Exception | None = None
         try:
             for number in range(self.comm.rank, self.comm.rank + len(found), self.comm.size):
@@ -130,7 +131,7 @@ class SurfaceCompliance:
         block, component = np.divmod(np.asarray(dofs, dtype=np.int32), np.int32(dofmap.index_map_bs))
         return dofmap.index_map.local_to_global(block) * dofmap.index_map_bs + component
 
-    def _lifting(self, load=None):
+    def _lifting(self, load: Load | None = None):
         """Forces (N,) on every rank that stand for the displacement prescribed far away: under ``load`` or as it is."""
         body = self.body
         if load is not None:

@@ -48,7 +48,7 @@ class CondensedSystem(System):
         self._load = np.asarray(load.components)
         compliance, body = self.compliance, self.problem.body
         held = None if self.problem.held is None else self.problem.held.forces
-        body.set_far_field(load.components)
+        body.set_far_field(load)
         if held is not self._held[0]:
             collected = body.surface_nodes.collect(held[body.surface_nodes.owned])
             self._held = held, compliance.matrix((Y,)).apply(collected) if self._is_root else None
