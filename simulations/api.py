@@ -106,15 +106,15 @@ class Result:
         """What the run is checked for after the solve, by name: value, limit, and whether it ``holds``.
 
         Errors are among them beside a closed form, which costs nothing. ``accuracy`` is, where ``solver.accuracy`` is
-        given: without a closed form the errors are estimated from a second mesh, and then every rank has to ask.
+        given, and then every rank has to ask: without a closed form the errors are estimated from a second mesh.
         """
-        simulation, wanted = self.simulation, self.simulation.scene.solver.accuracy
+        simulation = self.simulation
         is_known = simulation.effects.has_closed_form and simulation.scene.reference.kind != "none"
         exact = reference.closed_form(simulation) if is_known else None
         beside = report_data.compared(simulation, exact) if exact else None
         found = report_data.checked(simulation, beside)
-        if wanted is not None:
-            found["accuracy"], _ = estimate.judged(simulation, estimate.measured(beside, wanted))
+        if simulation.scene.solver.accuracy is not None:
+            found["accuracy"], _ = estimate.judged(simulation, beside)
         return found
 
     def errors(self) -> dict[str, float]:

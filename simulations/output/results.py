@@ -10,7 +10,7 @@ import numpy as np
 
 from ..runs import report_data
 from ..runs.checks import Check, describe, hold
-from ..runs.estimate import judged, measured
+from ..runs.estimate import judged
 from ..runs.history import Entry
 from ..runs.reference import Tell
 from ..runs.simulation import Simulation
@@ -131,11 +131,9 @@ class Results:
         """One more check of a run that has ended where ``solver.accuracy`` is given: its errors, measured or else
         estimated, against that. Collective. tell: called with words.
         """
-        wanted = self.simulation.scene.solver.accuracy
-        if wanted is None:
+        if self.simulation.scene.solver.accuracy is None:
             return
-        errors = self.comm.bcast(measured(self.findings.exact, wanted) if self.findings else None)
-        check, accuracy = judged(self.simulation, errors, tell)
+        check, accuracy = judged(self.simulation, self.findings.exact if self.findings else None, tell)
 
         def write():
             if self.findings:

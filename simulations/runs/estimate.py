@@ -79,13 +79,15 @@ def measured(exact: Comparison | None, wanted: float) -> Errors | None:
 
 
 def judged(
-    simulation: Simulation, errors: Errors | None, tell: Callable[[str], None] = lambda words: None
+    simulation: Simulation, exact: Comparison | None, tell: Callable[[str], None] = lambda words: None
 ) -> tuple[Check, dict]:
     """Check of a finished run's errors against ``solver.accuracy``, and what it was made from; collective.
 
-    errors: those that are measured; None where they are to be estimated, on a second mesh. tell: called with words.
+    exact: of rank 0, from which the errors are measured; else they are estimated, on a second mesh. tell: called with
+    words.
     """
     wanted = simulation.scene.solver.accuracy or 0.0
+    errors = simulation.body.mesh.comm.bcast(measured(exact, wanted))
     if errors is None:
         tell("second mesh, for the estimate of the error")
         try:

@@ -21,7 +21,7 @@ from ..output.files import write_table
 from ..output.folder import begin, claimed, has_lost_scene, is_run_of, refuse_changed
 from ..output.results import Results
 from ..runs import comparison
-from ..runs.estimate import judged, measured
+from ..runs.estimate import judged
 from ..runs.report_data import Findings, find
 from ..runs.simulation import Simulation
 from ..scene import DEFAULT_SCENE, Scene, SceneError, parse, shown
@@ -153,7 +153,7 @@ def run_scene(values: Row) -> Row:
     else:
         findings = find(simulation.run_to_end())
         if scene.solver.accuracy is not None:
-            findings.checks["accuracy"], _ = judged(simulation, measured(findings.exact, scene.solver.accuracy))
+            findings.checks["accuracy"], _ = judged(simulation, findings.exact)
     row = numbers(simulation, findings)
     _kept.append(simulation)
     return row | {"seconds": round(time.perf_counter() - start, 3)}

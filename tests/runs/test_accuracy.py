@@ -3,6 +3,7 @@ calibrate.
 """
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from simulations.runs import estimate
 from simulations.runs.checks import ChecksWarning
 from simulations.runs.comparison import compare_all
 from simulations.runs.reference import of_same_physics
+from simulations.runs.report_data import compared
 from simulations.runs.simulation import Simulation
 from simulations.scene import DEFAULT_SCENE, SceneError, accuracy, make_scene, parse
 from simulations.studies.costs.cases import COUPLED, cases
@@ -307,6 +309,6 @@ def test_load_steps_are_no_advice_without_friction():
     relieved = "solid.E0 = 1e9\nsolid.k = -0.3\nsolid.nu = 0.3\nsolid.y0 = 0.01\nindenter.R = 0.1\n"
     scene = parse(relieved + "load.points = [[1e4, 0], [5e3, 0]]\nsolver.accuracy = 1e-3\n")
     simulation = simulated(scene)
-    last = compare_all(simulation.history, of_same_physics(simulation)).last
-    check, _ = estimate.judged(simulation, estimate.Errors(last, {"p": 0.1}, False))
+    exact = compared(simulation, of_same_physics(simulation))
+    check, _ = estimate.judged(simulation, replace(exact, worst={"p": 0.1}))
     assert not check.holds and check.cause == estimate.TOO_COARSE and "increments" not in check.cause
