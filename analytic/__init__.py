@@ -6,7 +6,7 @@ Numbers in brackets are the equations of Heß, Giesa, Riechert, Wilhayn, Appl. S
 
 from .abel import PunchSuperposition
 from .bulk_strain import StretchedLoop, StretchedPartialSlip
-from .checks import UndefinedDisplacementError
+from .checks import ContactNotConverged, UndefinedDisplacementError
 from .coupled import CoupledLoop
 from .cylinder import CylinderContact
 from .fretting import FrettingLoop
@@ -24,6 +24,7 @@ from .tangential import UniformShift, from_displacement, from_traction
 from .two_bodies import GradedPair
 
 __all__ = [
+    "ContactNotConverged",
     "CoupledLoop",
     "CylinderContact",
     "FrettingLoop",

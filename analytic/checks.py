@@ -1,10 +1,14 @@
-"""Checks of input: every refusal names the value and the admissible range."""
+"""Errors, and checks of input: every refusal names the value and the admissible range."""
 
 from math import inf, isfinite
 
 
 class UndefinedDisplacementError(ValueError):
     """A displacement was asked for that does not exist for k <= 0."""
+
+
+class ContactNotConverged(RuntimeError):
+    """The contact problem was not solved; the message says what was still changing."""
 
 
 def require(name, value, low=0.0, high=inf, *, closed_low=False, closed_high=False):

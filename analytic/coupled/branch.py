@@ -5,7 +5,7 @@ from functools import cached_property
 import numpy as np
 from scipy.optimize import brentq
 
-from ..half_plane.linear import ContactNotConverged
+from ..checks import ContactNotConverged
 from .edges import ARRIVAL, ITERATIONS, EdgeSolver, edges_of
 from .rule import smooth_rule
 from .tractions import SlipState

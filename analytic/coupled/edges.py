@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..half_plane.linear import ContactNotConverged
+from ..checks import ContactNotConverged
 from .linear import solve
 from .stick import FEATURE, layout
 

@@ -6,8 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ..checks import require_partial_slip
-from ..half_plane.linear import ContactNotConverged
+from ..checks import ContactNotConverged, require_partial_slip
 from ..material import GradedHalfPlane
 from . import guess
 from .branch import Branch

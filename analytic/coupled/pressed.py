@@ -5,8 +5,8 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
+from ..checks import ContactNotConverged
 from ..cylinder import CylinderContact
-from ..half_plane.linear import ContactNotConverged
 from ..normal import normal_contact
 from ..pressing_with_friction import PressingWithFriction
 from .panels import Panels, graded

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from ..half_plane.linear import ContactNotConverged
+from ..checks import ContactNotConverged
 from ..half_plane.surface_kernel import PowerLawKernel
 from .exponents import edge_exponents, hilbert_ratio
 

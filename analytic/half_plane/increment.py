@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .linear import ContactNotConverged, ContactSets, Data, IncrementSolution, LinearProblems
+from ..checks import ContactNotConverged
+from .linear import ContactSets, Data, IncrementSolution, LinearProblems
 from .operator import SurfaceOperator
 from .path import followed, near, sticking
 

@@ -9,11 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import lapack
 
+from ..checks import ContactNotConverged
 from .operator import SurfaceOperator
-
-
-class ContactNotConverged(RuntimeError):
-    """The contact problem was not solved; the message says what was still changing."""
 
 
 @dataclass(frozen=True)

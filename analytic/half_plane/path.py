@@ -9,7 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .linear import ContactNotConverged, ContactSets, Data, LinearProblems
+from ..checks import ContactNotConverged
+from .linear import ContactSets, Data, LinearProblems
 
 STEPS_PER_NODE = 4  # before it is given up
 GUESS_MARGIN = 1e-3  # of the largest pressure or displacement: how far a guess is moved inside its conditions

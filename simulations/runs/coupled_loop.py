@@ -10,10 +10,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from analytic import CoupledLoop, PowerProfile
+from analytic import ContactNotConverged, CoupledLoop, PowerProfile
 from analytic.coupled.loop import ORDER
 from analytic.coupled.state import CoupledState
-from analytic.half_plane.linear import ContactNotConverged
 
 from ..loading.schedule import LoadStep
 from ..scene import Scene

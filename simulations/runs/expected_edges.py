@@ -7,8 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from analytic import FrettingLoop, HalfPlaneContact, SpringPath
-from analytic.half_plane.linear import ContactNotConverged
+from analytic import ContactNotConverged, FrettingLoop, HalfPlaneContact, SpringPath
 
 from ..loading.schedule import LoadStep, pressing, rocking
 from ..scene import Scene

@@ -2,7 +2,7 @@
 
 from analytic.coupled.loop import ORDER, known, missing
 from analytic.coupled.state import CoupledState
-from analytic.half_plane.linear import ContactNotConverged
+from analytic import ContactNotConverged
 
 from .comparison import NoReference, OfStates, last_cycle
 from .coupled_loop import loop_of, states_of

@@ -5,8 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from analytic import GradedHalfPlane, HalfPlaneContact, PowerProfile
-from analytic.half_plane.linear import ContactNotConverged
+from analytic import ContactNotConverged, GradedHalfPlane, HalfPlaneContact, PowerProfile
 from analytic.half_plane.state import ContactState
 
 from ..loading.schedule import pressing, rocking

@@ -7,7 +7,7 @@ from math import gamma
 import numpy as np
 import pytest
 
-from analytic import CylinderContact, GradedHalfPlane, PowerProfile, Profile, ProfileContact
+from analytic import ContactNotConverged, CylinderContact, GradedHalfPlane, PowerProfile, Profile, ProfileContact
 from analytic.coupled import CoupledLoop
 from analytic.coupled.exponents import edge_exponent
 from analytic.coupled.linear import solve
@@ -16,7 +16,6 @@ from analytic.coupled.panels import Panels, graded
 from analytic.coupled.pressed import NormalStage
 from analytic.coupled.stick import layout
 from analytic.coupled.work import stick_compliance
-from analytic.half_plane.linear import ContactNotConverged
 from analytic.half_plane.solver import HalfPlaneContact
 
 MU, R, P = 0.3, 2.0, 1.5

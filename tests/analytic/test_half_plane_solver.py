@@ -8,8 +8,15 @@ from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 from scipy.special import ellipk, ellipkm1
 
-from analytic import CylinderContact, GradedHalfPlane, PowerProfile, Profile, ProfileContact, StretchedLoop
-from analytic.half_plane.linear import ContactNotConverged
+from analytic import (
+    ContactNotConverged,
+    CylinderContact,
+    GradedHalfPlane,
+    PowerProfile,
+    Profile,
+    ProfileContact,
+    StretchedLoop,
+)
 from analytic.half_plane.solver import HalfPlaneContact
 
 MU, P, R = 0.3, 1.0, 1.0

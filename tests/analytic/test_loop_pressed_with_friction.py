@@ -5,10 +5,9 @@ from functools import lru_cache
 import numpy as np
 import pytest
 
-from analytic import CoupledLoop, GradedHalfPlane, PowerProfile, PressingWithFriction
+from analytic import ContactNotConverged, CoupledLoop, GradedHalfPlane, PowerProfile, PressingWithFriction
 from analytic.coupled import CoupledState
 from analytic.coupled.pressed import PressedWithFriction
-from analytic.half_plane.linear import ContactNotConverged
 from analytic.half_plane.solver import HalfPlaneContact
 
 PROFILE, P = PowerProfile(0.25, 2.0), 1.5

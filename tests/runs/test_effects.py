@@ -10,7 +10,7 @@ from mpi4py import MPI
 from running import ROOT, coarse_arguments, csv_rows, run_command
 from solving import coarse_simulation, deviations, solved
 
-from analytic.half_plane.linear import ContactNotConverged
+from analytic import ContactNotConverged
 from simulations import fretting
 from simulations.fem.body import X, Y
 from simulations.indentation import DEFAULT_SCENE as INDENTATION

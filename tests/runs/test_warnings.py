@@ -7,7 +7,7 @@ from mpi4py import MPI
 from running import COARSE, coarse_arguments, coarse_overrides, run_command
 from solving import coarse_simulation
 
-from analytic.half_plane.linear import ContactNotConverged
+from analytic import ContactNotConverged
 from simulations import Simulation, make_scene, parse, run
 from simulations.runs import expected_edges
 from simulations.runs.comparison import compare, compare_all

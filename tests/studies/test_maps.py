@@ -8,8 +8,7 @@ import pytest
 from mpi4py import MPI
 from running import run_command
 
-from analytic import GradedHalfPlane, ProfileContact
-from analytic.half_plane.linear import ContactNotConverged
+from analytic import ContactNotConverged, GradedHalfPlane, ProfileContact
 from simulations.studies import maps
 from simulations.studies.loops import simulate
 from simulations.studies.mapping import pictures

@@ -5,8 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from analytic import PowerProfile
-from analytic.half_plane.linear import ContactNotConverged
+from analytic import ContactNotConverged, PowerProfile
 
 from ...runs.comparison import relative_l2
 from ..engine import FAILED, Item, run_on
