@@ -5,7 +5,9 @@ from typing import Any
 import numpy as np
 from dolfinx import fem
 
-from ..fem.body import ElasticBody, Y
+from forms.contact import Y
+
+from ..fem.body import ElasticBody
 from ..fem.contact_problem import ContactProblem
 from ..fem.numbering import Numbering
 from ..solvers.system import System

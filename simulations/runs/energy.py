@@ -19,7 +19,9 @@ import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from ..fem.body import ElasticBody, Y
+from forms.contact import Y
+
+from ..fem.body import ElasticBody
 from .checks import largest
 from .history import Entry
 

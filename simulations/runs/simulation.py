@@ -9,8 +9,9 @@ from mpi4py import MPI
 
 from analytic import GradedHalfPlane, PowerLawKernel, PressingWithFriction, normal_contact, point_force_displacement
 from analytic.coupled.exponents import edge_exponents
+from forms.contact import X, Y
 
-from ..fem.body import ElasticBody, X, Y
+from ..fem.body import ElasticBody
 from ..fem.contact_problem import ContactProblem, Nitsche
 from ..fem.mesh import Grading, columns, create_mesh, layers
 from ..fem.numbering import Numbering

@@ -13,10 +13,10 @@ parabola. The test of what is accepted knows nothing of all this.
 
 import numpy as np
 
-from forms.contact import BACKWARD, CLOSED, DRIVEN_BACKWARD, DRIVEN_FORWARD, FORWARD, LIFTED, OPEN, PINNED
+from forms.contact import BACKWARD, CLOSED, DRIVEN_BACKWARD, DRIVEN_FORWARD, FORWARD, LIFTED, OPEN, PINNED, Y
 
 from ..fem.body_sample import lagrange
-from ..fem.contact_problem import ContactProblem, Y
+from ..fem.contact_problem import ContactProblem
 from ..fem.load import Load
 from ..fem.surface_points import SIDES, AllPoints
 

@@ -10,7 +10,9 @@ solve of their own size.
 import numpy as np
 from petsc4py import PETSc
 
-from ..fem.contact_problem import ContactProblem, X
+from forms.contact import X
+
+from ..fem.contact_problem import ContactProblem
 from .bulk_solver import bulk_solver
 from .system import System
 

@@ -19,9 +19,8 @@ from mpi4py import MPI
 from petsc4py import PETSc
 from scipy.optimize import brentq
 
-from forms.contact import CLOSED, OPEN
+from forms.contact import CLOSED, OPEN, X, Y
 
-from ..fem.contact_problem import X, Y
 from ..fem.load import Load
 from .system import System
 

@@ -5,7 +5,9 @@ from typing import Protocol
 import numpy as np
 from petsc4py import PETSc
 
-from ..fem.contact_problem import ContactProblem, X
+from forms.contact import X
+
+from ..fem.contact_problem import ContactProblem
 
 
 class System(Protocol):

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
+from forms.contact import X, Y
 from forms.modulus import PowerLaw
-from simulations.fem.body import ElasticBody, X, Y
+from simulations.fem.body import ElasticBody
 from simulations.fem.contact_problem import ContactProblem, Nitsche
 from simulations.fem.load import Load
 from simulations.fem.mesh import create_mesh

@@ -11,7 +11,7 @@ from pydantic import Field
 from running import coarse_overrides
 from solving import coarse_simulation, solved
 
-from simulations.fem.body import X, Y
+from forms.contact import X, Y
 from simulations.runs.reference import NoReference, of_same_physics
 from simulations.runs.simulation import Simulation
 from simulations.scene import DEFAULT_SCENE, effects, parse

@@ -11,8 +11,8 @@ from running import ROOT, coarse_arguments, csv_rows, run_command
 from solving import coarse_simulation, deviations, solved
 
 from analytic import ContactNotConverged
+from forms.contact import X, Y
 from simulations import fretting
-from simulations.fem.body import X, Y
 from simulations.indentation import DEFAULT_SCENE as INDENTATION
 from simulations.runs import mesh_free, reference
 from simulations.runs.comparison import compare, compare_state

@@ -10,7 +10,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.sparse import csr_matrix
 
-from ...fem.body import ElasticBody, X, Y
+from forms.contact import X, Y
+
+from ...fem.body import ElasticBody
 from ...fem.parallel import gathered
 
 SAME_POSITION = 1e-11  # positions closer than this (over the extent of the mesh) are the same

@@ -14,7 +14,9 @@ from petsc4py import PETSc
 from scipy.linalg import solve
 from scipy.sparse import csr_matrix, vstack
 
-from ...fem.body import ElasticBody, X
+from forms.contact import X
+
+from ...fem.body import ElasticBody
 from ...fem.load import Load
 from ...fem.parallel import gathered
 from .matrix import Block, ComplianceMatrix, StripInside

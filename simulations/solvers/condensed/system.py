@@ -12,7 +12,8 @@ import numpy as np
 from petsc4py import PETSc
 from scipy.sparse import csr_matrix
 
-from ...fem.body import Y
+from forms.contact import Y
+
 from ...fem.contact_problem import ContactProblem
 from ..system import System
 from .surface_compliance import SurfaceCompliance
