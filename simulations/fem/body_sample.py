@@ -11,7 +11,7 @@ from dolfinx import fem
 from forms.depth_map import DepthMap
 
 from .body import ElasticBody
-from .edge_place import LOBATTO
+from .lagrange import LOBATTO, gauss, lagrange
 from .numbering import Numbering
 
 
@@ -102,21 +102,6 @@ class BodySampler:
         fitted = np.einsum("ai,bj,rcijk->rcabk", fit, fit, given, optimize=True)
         u = numbering.displacement(whole)
         return BodySample(x, s, body.depth, body.degree, u, fitted, body.is_half)
-
-
-def lagrange(nodes: np.ndarray, t: np.ndarray) -> np.ndarray:
-    """Values (n, m) at ``t`` (n,) of the polynomials that are 1 at one of the ``nodes`` (m,) and 0 at the others."""
-    values = np.ones((len(t), len(nodes)))
-    for i, node in enumerate(nodes):
-        for other in np.delete(nodes, i):
-            values[:, i] *= (t - other) / (node - other)
-    return values
-
-
-def gauss(count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Gauss points on 0 ... 1 and their weights (count,)."""
-    nodes, weights = np.polynomial.legendre.leggauss(count)
-    return (nodes + 1.0) / 2.0, weights / 2.0
 
 
 def _fit(count):

@@ -15,11 +15,8 @@ from functools import cache
 import numpy as np
 from scipy.optimize import brentq
 
-LOBATTO = {  # nodes of a facet but the last, the first of the next one, and their weights there; by degree
-    1: ((0.0,), (1.0,)),
-    2: ((0.0, 0.5), (1 / 3, 2 / 3)),
-    3: ((0.0, (1 - 5**-0.5) / 2, (1 + 5**-0.5) / 2), (1 / 6, 5 / 12, 5 / 12)),
-}
+from .lagrange import LOBATTO
+
 OFF_NODE = 0.05  # from a node of the mesh, which is to lie on one side of the edge for sure
 STEEP_K = -0.68  # k below which, with degree 2, the place is one measured (docs/accuracy.md):
 MEASURED = (-0.9, -0.7), (0.6, 0.65)  # k, place

@@ -4,7 +4,7 @@ import numpy as np
 from dolfinx import fem
 
 from .body import ElasticBody
-from .edge_place import LOBATTO
+from .lagrange import LOBATTO
 
 
 class Numbering:

@@ -15,8 +15,8 @@ import numpy as np
 
 from forms.contact import BACKWARD, CLOSED, DRIVEN_BACKWARD, DRIVEN_FORWARD, FORWARD, LIFTED, OPEN, PINNED, Y
 
-from ..fem.body_sample import lagrange
 from ..fem.contact_problem import ContactProblem
+from ..fem.lagrange import lagrange
 from ..fem.load import Load
 from ..fem.surface_points import SIDES, AllPoints
 

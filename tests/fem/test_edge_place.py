@@ -4,7 +4,8 @@ import mpmath
 import numpy as np
 import pytest
 
-from simulations.fem.edge_place import LOBATTO, best_place, missed, zeta
+from simulations.fem.edge_place import best_place, missed, zeta
+from simulations.fem.lagrange import LOBATTO
 
 
 @pytest.mark.parametrize("power", [0.05, 0.5, 0.95])
