@@ -5,7 +5,7 @@ from functools import partial
 from mpi4py import MPI
 from running import coarse_overrides
 
-from simulations.loading.fallbacks import Options
+from simulations.loading.fallbacks import FALLBACKS, Options
 from simulations.runs.comparison import compare
 from simulations.runs.reference import closed_form
 from simulations.runs.simulation import Simulation
@@ -36,6 +36,12 @@ def solved(text=DEFAULT_SCENE, cells=None, **changes) -> Simulation:
 def limit_stepping(monkeypatch, **options):
     """From now on load stepping has these of its ``Options``."""
     monkeypatch.setattr("simulations.loading.stepping.Options", partial(Options, **options))
+
+
+def without_path(monkeypatch):
+    """From now on load stepping has Newton's method alone."""
+    ways = [way for way in FALLBACKS if way.name != "path"]
+    monkeypatch.setattr("simulations.loading.stepping.FALLBACKS", ways)
 
 
 def watched(monkeypatch, owner, name: str) -> list[tuple]:

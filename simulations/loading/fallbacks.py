@@ -18,14 +18,13 @@ class Options:
 
     halvings: of a load step, one within the other; anchor_passes: solves for the anchors of points that enter contact.
     They are settled once they change by less than ``anchors_settled`` of how far they moved; in uncoupled contact,
-    where they are exact, by less than ``anchors_settled_uncoupled``. fallbacks: names of those that are allowed.
+    where they are exact, by less than ``anchors_settled_uncoupled``.
     """
 
     halvings: int = 6
     anchor_passes: int = 12
     anchors_settled: float = 1e-3
     anchors_settled_uncoupled: float = 1e-5
-    fallbacks: tuple[str, ...] = ("jumping Newton", "Newton", "path")
 
 
 @dataclass(frozen=True)

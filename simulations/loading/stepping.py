@@ -221,7 +221,7 @@ class LoadStepping:
         newton = newton or self._newton
         saved, tried = present_state.save(self.system), []
         for way in FALLBACKS:
-            if way.name in self.options.fallbacks and way.applies(newton.system.problem):
+            if way.applies(newton.system.problem):
                 results = way.solve(newton, load)
                 self._results += results
                 tried.append(results[-1])

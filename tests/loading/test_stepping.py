@@ -103,18 +103,8 @@ def test_anchors_are_those_of_pressing_while_there_is_nothing_else(monkeypatch):
 
 
 def test_quarters_of_a_harmonic_load_step_lie_on_the_arc():
-    loads = []
-
-    class Halving:
-        _in_halves = LoadStepping._in_halves
-
-        def _advance(self, before, step, depth):
-            if depth == 2:
-                loads.append(step.load)
-                return 0
-            return self._in_halves(before, step, depth)
-
-    assert Halving()._in_halves(Load(1.0, 1.0, 0.0), LoadStep(Load(1.0, 0.0, 1.0), angle=np.pi / 2)) == 3
+    step = LoadStep(Load(1.0, 0.0, 1.0), angle=np.pi / 2)
+    loads = [step.on_the_way(Load(1.0, 1.0, 0.0), share) for share in (0.25, 0.5, 0.75, 1.0)]
     assert [np.arctan2(load.strain, load.Q) for load in loads] == pytest.approx(np.pi / 8 * np.arange(1, 5))
     assert [np.hypot(load.strain, load.Q) for load in loads] == pytest.approx([1.0] * 4)
 

@@ -9,7 +9,7 @@ import numpy as np
 import pandas
 import pytest
 from running import coarse_arguments, csv_rows, run_command, surface
-from solving import CYCLING, limit_stepping
+from solving import CYCLING, limit_stepping, without_path
 
 from simulations import fretting
 from simulations.loading.stepping import SolveError
@@ -214,7 +214,8 @@ def test_failed_solve_says_why(tmp_path, ranks):
 
 def test_failed_solve_keeps_what_it_had(tmp_path, monkeypatch):
     """Without the path Newton does not end in the middle of a strongly coupled loop; the states before are kept."""
-    limit_stepping(monkeypatch, halvings=0, fallbacks=("Newton", "jumping Newton"))
+    limit_stepping(monkeypatch, halvings=0)
+    without_path(monkeypatch)
     with pytest.raises(SolveError, match="too many iterations"):
         fretting.main(coarse_arguments(tmp_path, **CYCLING))
     summary = json.loads((tmp_path / "summary.json").read_text())

@@ -6,10 +6,9 @@ from itertools import islice
 import numpy as np
 import pytest
 from mpi4py import MPI
-from solving import CYCLING, SHRINKING, coarse_simulation, limit_stepping, solved
+from solving import CYCLING, SHRINKING, coarse_simulation, limit_stepping, solved, without_path
 
 from forms.contact import CLOSED
-from simulations.loading.fallbacks import Options
 from simulations.loading.stepping import SolveError
 from simulations.runs.plan import Plan
 from simulations.runs.simulation import Simulation
@@ -59,7 +58,7 @@ def test_a_loop_that_cycles_without_it(monkeypatch):
     """Under strong coupling Newton goes on between sliding either way; along the path no load step is halved."""
     limit_stepping(monkeypatch, halvings=0)
     solved(**CYCLING)
-    limit_stepping(monkeypatch, halvings=0, fallbacks=("jumping Newton", "Newton"))
+    without_path(monkeypatch)
     with pytest.raises(SolveError, match="too many iterations"):
         solved(**CYCLING)
 
@@ -115,8 +114,8 @@ def test_a_first_contact_of_three_nodes_that_hardly_sticks(monkeypatch):
     assert np.count_nonzero(entries[0].surface.pressure) == 3
 
 
-@pytest.mark.parametrize("fallbacks, cuts", [(Options().fallbacks, 0), (("jumping Newton", "Newton"), 1)])
-def test_a_new_pressure_without_coupling_is_sought_like_any_state(monkeypatch, fallbacks, cuts):
+@pytest.mark.parametrize("cuts", [0, 1])
+def test_a_new_pressure_without_coupling_is_sought_like_any_state(monkeypatch, cuts):
     """Under a new P the frictionless contact is solved beneath the tangential one: along the path, or in half steps."""
     load = DEFAULT_SCENE[DEFAULT_SCENE.index("P = 1.0e6") :]
     text = DEFAULT_SCENE.replace(load, "mu = 0.3\npoints = [[1e6, 0], [1e6, 1e5], [8e5, 1e5]]\n")
@@ -132,7 +131,8 @@ def test_a_new_pressure_without_coupling_is_sought_like_any_state(monkeypatch, f
         return replace(result, converged=False)
 
     monkeypatch.setattr(newton.Newton, "solve", missing_once)
-    limit_stepping(monkeypatch, fallbacks=fallbacks)
+    if cuts:
+        without_path(monkeypatch)
     last = coarse_simulation(text, **scene).run_to_end().history.entries[-1]
     assert missed and last.cuts == cuts
     assert last.surface.pressure == pytest.approx(expected.surface.pressure, abs=1e-8 * expected.peak_pressure)
