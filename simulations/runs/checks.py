@@ -12,7 +12,25 @@ from ..fem.surface import SurfaceState
 from ..solvers.newton import ATTAINABLE, FORCE_TOLERANCE
 from .history import Entry, History
 
+# a run is wrong beyond these; of c over a
+ERRORS = {"pressure_l2": 0.1, "traction_l2": 0.1, "a": 0.05, "c": 0.05, "dissipated_energy": 0.05}
+PENETRATION = 1e-3  # an open point is held by its traction, which is not quite zero
+WRONG_SLIP = 1e-4  # of loops measured below 1e-6
+ZIGZAGS = 0.05  # of the range; loops at k = 0.3 have less than 0.003, the coupled one at k = -0.5 on coarse facets 0.04
+BENT = 0.1  # of the range of u_y, which is about f(a) under a round indenter
+AT_REST = 1e-3  # motion over the largest below which a load step moves nothing
 FEW = 20  # nodes of a contact that is not smooth on its mesh
+MORE_STEPS = "more solver.increments or, with friction from first contact, solver.normal_increments"
+LARGE = (
+    f"{MORE_STEPS} (first of all for the energy), a higher mesh.degree, finer facets (mesh.facet, mesh.edge_facet) or "
+    "a smaller mesh.layer_growth make errors smaller"
+)
+UNKNOWN = f"the reference's own error is {{:.0%}}, which is too much to judge by; {MORE_STEPS} make it smaller"
+AGAINST = (
+    "slip goes against q most in load step {}, increment {} of history.csv: where points stop within it may be known "
+    "too badly; another number of solver.{} changes that"
+)
+LOST = "so many states touch at too few nodes to have a half-width: a smaller mesh.facet or mesh.edge_facet may help"
 
 
 class ChecksFailed(RuntimeError):
@@ -187,23 +205,3 @@ def drift(history: History) -> float:
     ends = [e for e in history.entries if e.step.state == "A" and e.step.cycle > 0]
     fields = [(entry.surface.pressure, entry.surface.traction) for entry in ends]
     return largest(np.abs(np.diff(fields, axis=0)).ravel()) / float(fields[-1][0].max())
-
-
-# a run is wrong beyond these; of c over a
-ERRORS = {"pressure_l2": 0.1, "traction_l2": 0.1, "a": 0.05, "c": 0.05, "dissipated_energy": 0.05}
-MORE_STEPS = "more solver.increments or, with friction from first contact, solver.normal_increments"
-LARGE = (
-    f"{MORE_STEPS} (first of all for the energy), a higher mesh.degree, finer facets (mesh.facet, mesh.edge_facet) or "
-    "a smaller mesh.layer_growth make errors smaller"
-)
-UNKNOWN = f"the reference's own error is {{:.0%}}, which is too much to judge by; {MORE_STEPS} make it smaller"
-BENT = 0.1  # of the range of u_y, which is about f(a) under a round indenter
-PENETRATION = 1e-3  # an open point is held by its traction, which is not quite zero
-WRONG_SLIP = 1e-4  # of loops measured below 1e-6
-AGAINST = (
-    "slip goes against q most in load step {}, increment {} of history.csv: where points stop within it may be known "
-    "too badly; another number of solver.{} changes that"
-)
-LOST = "so many states touch at too few nodes to have a half-width: a smaller mesh.facet or mesh.edge_facet may help"
-AT_REST = 1e-3  # motion over the largest below which a load step moves nothing
-ZIGZAGS = 0.05  # of the range; loops at k = 0.3 have less than 0.003, the coupled one at k = -0.5 on coarse facets 0.04

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from . import checks, comparison, critical_friction, reference, zigzags
+from . import checks, comparison, critical_friction, reference, zigzag_cause
 from .checks import Check
 from .simulation import Simulation
 
@@ -98,7 +98,7 @@ def _values(simulation: Simulation, other: comparison.Reference) -> dict[str, fl
 def checked(simulation: Simulation, exact: Comparison | None = None) -> dict[str, Check]:
     """What a finished run is checked for, its errors beside what has the same physics, if there is one, among it."""
     height = simulation.scaled.indenter.height
-    found = checks.check(simulation.history, height, lambda: zigzags.cause(simulation))
+    found = checks.check(simulation.history, height, lambda: zigzag_cause.cause(simulation))
     if exact is None:
         return found
     return found | checked_errors(simulation, exact.other, exact.deviations | exact.worst, exact.own)

@@ -8,7 +8,7 @@ from solving import coarse_simulation
 
 from simulations import Simulation, make_scene
 from simulations.loading.stepping import SolveError
-from simulations.runs import critical_friction, zigzags
+from simulations.runs import critical_friction, zigzag_cause
 from simulations.runs.checks import check
 from simulations.runs.explain import explain
 from simulations.runs.report_data import find, summary
@@ -41,16 +41,16 @@ def test_summary_has_both_bounds_and_the_mesh_has_its_own():
     simulation = coarse_simulation(**COUPLED, load__mu=0.3, load__cycles=0, solver__increments=1).run_to_end()
     told = summary(simulation, find(simulation))["critical_friction"]
     assert told["lower"] == pytest.approx(1.235, abs=1e-3) and told["upper"] == pytest.approx(1.764, abs=1e-3)
-    own = zigzags.critical_of_mesh(simulation)
+    own = zigzag_cause.critical_of_mesh(simulation)
     assert 1.0 < own < 2.0  # 1.4 with equal facets of degree 2
-    assert "is below" in zigzags.cause(simulation)
+    assert "is below" in zigzag_cause.cause(simulation)
 
 
 def test_a_run_that_zigzags_says_on_which_side_it_lies():
     simulation = coarse_simulation(**COUPLED, load__mu=0.3, load__cycles=0, solver__increments=1).run_to_end()
     surface = simulation.history.entries[-1].surface
     surface.traction[:] += 0.3 * surface.pressure * (-1.0) ** np.arange(surface.x.size)
-    found = check(simulation.history, lambda x: x**2 / 2, lambda: zigzags.cause(simulation))
+    found = check(simulation.history, lambda x: x**2 / 2, lambda: zigzag_cause.cause(simulation))
     assert not found["traction zigzags"].holds and "mu = 0.3 is below" in found["traction zigzags"].cause
 
 
