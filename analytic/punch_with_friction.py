@@ -14,7 +14,7 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.special import ellipkm1
 
-from .singular_panels import Panels
+from .singular_panels import SingularPanels
 
 TERMS, COARSE = 10, 8  # of the polynomial on a panel; for the first guess
 RATIO = 0.25  # of the widths of neighbouring panels
@@ -76,7 +76,7 @@ class PunchWithFriction:
         c, w = self.c, self.slip_width
         inner, outer = _graded(c, PANEL_AT_C * min(c, w)), _graded(w / 2, PANEL_AT_C * min(c, w))[::-1]
         lo, hi = np.concatenate([-inner, [0.0], outer]), np.concatenate([-inner[1:], [0.0], outer, [w]])
-        return Panels(c, lo, hi, self.medium.edge_power(1), self.terms, self.medium.k)
+        return SingularPanels(c, lo, hi, self.medium.edge_power(1), self.terms, self.medium.k)
 
     @cached_property
     def reserve_panels(self):

@@ -18,7 +18,7 @@ NODES = 24  # on either side of the middle of a panel that a target is close to,
 
 
 @dataclass(frozen=True)
-class Panels:
+class SingularPanels:
     """Densities (distance to the end of the last panel)^power times a polynomial with ``terms`` terms, per panel.
 
     centre: c [length]. lo, hi: ends of the panels as distances from c, shape (J,). k: exponent of the kernels.

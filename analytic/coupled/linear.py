@@ -8,7 +8,7 @@ from .exponents import hilbert_factors
 from .rule import ContactRule
 from .stick import COARSE, StickBasis
 from .tractions import SlipState
-from .weight import Contact
+from .weight import ContactInterval
 
 
 @dataclass(frozen=True)
@@ -30,13 +30,13 @@ def solve(base, friction, edges, layout, Q) -> Solution:
     """Tractions with u_y + f = delta_y in contact, u_x as at the turn in stick, q = friction p in slip, for given P, Q.
 
     The unknown is r = friction p - q, which vanishes in slip. In contact
-    p = alpha r + beta w H[r/w] + (pressure of the profile in full slip), w the weight of ``Contact``: with the Hilbert
-    transform H this meets the first condition for every r (docs/coupling_kernel.md). The second is collocated.
+    p = alpha r + beta w H[r/w] + (pressure of the profile in full slip), w the weight of ``ContactInterval``: with the
+    Hilbert transform H this meets the first condition for every r (docs/coupling_kernel.md). The second is collocated.
     """
     problem, f = base.problem, friction
     k, d = problem.k, problem.d
     x_l, c_l, c_r, x_r = edges
-    contact = Contact(problem, f, x_l, x_r)
+    contact = ContactInterval(problem, f, x_l, x_r)
     stick = StickBasis(c_l, c_r, layout, problem.exponents(f)[1:3], problem.order, k)
     x, n = stick.points, stick.size
     alpha, beta = hilbert_factors(k, problem.bk, d, f)

@@ -11,13 +11,13 @@ from ..normal import normal_contact
 from ..pressing_with_friction import PressingWithFriction
 from .panels import Panels, graded
 from .problem import problem_of
-from .tractions import Interpolated, SurfaceState, shrinking
+from .tractions import Interpolated, StateOnContact, shrinking
 
 LEVELS, RATIO = 15, 0.4  # of the panels on which the pressure without friction is integrated or interpolated
 NARROW = 1e-6  # width of slip over a below which all sticks; next to the Holl ratio it is exponentially narrow
 
 
-class NormalStage(SurfaceState):
+class NormalStage(StateOnContact):
     """Frictionless contact.
 
     problem: the tangential problem that follows; contact: edges; breaks: where tractions are not smooth, nowhere; Q,
@@ -64,7 +64,7 @@ class NormalStage(SurfaceState):
         return float(self._integrals(np.zeros(1))[1, 0])
 
 
-class PressedWithFriction(SurfaceState):
+class PressedWithFriction(StateOnContact):
     """Contact with friction from first contact, exact: slip of both signs beside ``stick``. See ``NormalStage``.
 
     Raises ContactNotConverged where every point slips.

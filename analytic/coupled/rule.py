@@ -17,7 +17,7 @@ class ContactRule:
 
     v = (1 - t²)^(k/2), root = (1 - t²)^(1/2); f has no singularity at the edges, but may have some in stick. At the
     edges each of the three powers of distance has nodes of its own, at which the others are zero.
-    contact: see ``weight.Contact``; stick: its two ends.
+    contact: see ``weight.ContactInterval``; stick: its two ends.
     t: nodes over half the contact; w, w_over, v, root: at the nodes, shape (n,); weights: of the sum over nodes.
     """
 

@@ -69,7 +69,7 @@ def _merged(fine, values, breaks, x):
     return panels, (coefficients.T @ legendre(GAUSS, NODES)).ravel()
 
 
-class SurfaceState:
+class StateOnContact:
     """Surface displacements that tractions on a contact cause.
 
     contact: its edges; breaks: where tractions are not smooth; delta_x, delta_y: displacements of the indenter.
@@ -128,7 +128,7 @@ class SurfaceState:
         return self._integrals(x) - np.array([self.delta_x, self.delta_y])[:, None]
 
 
-class SlipState(SurfaceState):
+class SlipState(StateOnContact):
     """Equilibrium at the load Q since the turn ``base``: slip with q = friction p, and stick between c_l and c_r.
 
     coefficients: of r = friction p - q in the basis of the zone of stick; factors, profile: see ``linear.solve``;

@@ -14,7 +14,7 @@ NEAR_RATIO, FAR_RATIO = 0.35, 0.1  # of panels towards an edge, as far as points
 PANEL_AT_EDGE = 1e-10  # panel at an edge
 
 
-class Contact:
+class ContactInterval:
     """Interval x_l < x < x_r of contact in slip with q = friction p, where p ends with ``exponents`` at both ends.
 
     The integral operator A p = u_y of slip has the kernel bk R - friction d O. With the weight w = (1 + t)^left
