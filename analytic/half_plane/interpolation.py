@@ -74,14 +74,24 @@ def interpolated(nodes, coefficients, x):
     return np.where((x >= nodes[0]) & (x <= nodes[-1]), result, 0.0)
 
 
-def integral(nodes, interpolation, values, smooth):
-    """∫ of the interpolated ``values`` times the cubic spline through ``smooth``."""
-    coefficients = coefficients_of(interpolation, values)
-    length, spline = np.diff(nodes), CubicSpline(nodes, smooth)
-    gauss, weight = np.polynomial.legendre.leggauss(POWERS)
-    t = (1 + gauss) / 2
-    interpolated = np.einsum("re,rg->eg", coefficients, t ** np.arange(POWERS)[:, None])
-    return float(length @ (interpolated * spline(nodes[:-1, None] + length[:, None] * t)) @ weight) / 2
+@dataclass(frozen=True)
+class Interpolant:
+    """Traction between ``nodes`` (n,) with these ``coefficients`` (4, n - 1), zero beyond."""
+
+    nodes: np.ndarray
+    coefficients: np.ndarray
+
+    def __call__(self, x):
+        """Values at x."""
+        return interpolated(self.nodes, self.coefficients, x)
+
+    def integral(self, smooth) -> float:
+        """∫ of it times the cubic spline through ``smooth`` (n,) at the nodes."""
+        length, spline = np.diff(self.nodes), CubicSpline(self.nodes, smooth)
+        gauss, weight = np.polynomial.legendre.leggauss(POWERS)
+        t = (1 + gauss) / 2
+        values = np.einsum("re,rg->eg", self.coefficients, t ** np.arange(POWERS)[:, None])
+        return float(length @ (values * spline(self.nodes[:-1, None] + length[:, None] * t)) @ weight) / 2
 
 
 def _put_roots(result, nodes, j, edge, exponent):

@@ -7,20 +7,20 @@ Coulomb fulfilled node by node. Beyond the paper, whose theory neglects the coup
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property
 from math import exp, log
 
 import numpy as np
 from scipy.optimize import brentq
 
-from ..checks import require_partial_slip
+from ..checks import ContactNotConverged, require_partial_slip
 from ..material import GradedHalfPlane
 from ..straight_way import StraightWay
 from .edges import stuck_runs
 from .increment import Increment
-from .interpolation import coefficients_of, integral, interpolated
+from .interpolation import Interpolant, coefficients_of
 from .layout import Layout, first_distance
-from .linear import ContactNotConverged, ContactSets, Data
+from .linear import ContactSets, Data
 from .operator import displacement_of, element_moments
 from .state import ContactState, Memory, PiecewiseField, StoredField
 from .surface_kernel import PowerLawKernel, SurfaceKernel
@@ -159,36 +159,50 @@ class HalfPlaneContact:
         P, Q, strain = load
         x = operator.nodes
         reached = solution.position + strain * x
-        energy, way = self._worked(memory, operator, solution, reached, load, normal_stage)
-
         stuck = x[stuck_runs(solution, self._friction(normal_stage))]
-        of_q = coefficients_of(operator.of_traction, solution.traction)
-        of_p = coefficients_of(operator.of_pressure, solution.pressure)
+        q = Interpolant(x, coefficients_of(operator.of_traction, solution.traction))
+        p = Interpolant(x, coefficients_of(operator.of_pressure, solution.pressure))
 
         def position(y):  # holds no matrix of the load step, as parts of it are kept for many
             _, T, D = element_moments(self.kernel, y, x)
-            u_x = displacement_of(T, of_q)
+            u_x = displacement_of(T, q.coefficients)
             if self.coupling:
-                u_x += displacement_of(D, of_p)
+                u_x += displacement_of(D, p.coefficients)
             if self.elastic:
-                u_x += self.elastic * interpolated(x, of_q, y)
+                u_x += self.elastic * q(y)
             return u_x - solution.delta_x + strain * y
 
         def gap(y):
             N, _, D = element_moments(self.kernel, y, x)
-            u_y = displacement_of(N, of_p)
+            u_y = displacement_of(N, p.coefficients)
             if self.coupling:
-                u_y -= displacement_of(D, of_q)
+                u_y -= displacement_of(D, q.coefficients)
             return self._height(y) + u_y - solution.delta_y
 
+        place, opening = StoredField(x, reached, position), StoredField(x, solution.gap, gap)
         if normal_stage:
             slip, slip_field = np.zeros(len(x)), np.zeros_like
-            reference = PiecewiseField.kept_in(stuck, memory.reference, StoredField(x, reached, position))
+            reference = PiecewiseField.kept_in(stuck, memory.reference, place)
         else:
             reference = memory.reference
             slip = np.where(solution.stuck, memory.slip(x), reached - reference(x))
             new = StoredField(x, slip, lambda y: position(y) - reference(y))
             slip_field = PiecewiseField.kept_in(stuck, memory.slip, new)
+        moved = memory.position(x) - reached
+        friction = self.mu * solution.sets.slipping * (solution.pressure + memory.pressure(x)) / 2
+        of_points = Interpolant(x, coefficients_of(operator.of_pressure, friction)).integral(moved)
+        conjugates = solution.delta_y, solution.delta_x, float(operator.weight_q @ (solution.traction * x))
+        if normal_stage or memory.way is None:
+            energy = begun = memory.dissipated_energy + of_points
+            way = StraightWay(self.mu, operator.is_coupled, (load,), (conjugates,))
+        else:
+            loss = _loss(memory.traction, memory.position, q, place)
+            if operator.is_coupled:
+                loss += _loss(memory.pressure, memory.gap, p, opening)
+            goes_on = memory.way.goes_on(load)
+            begun = memory.begun if goes_on else memory.dissipated_energy
+            way = (memory.way if goes_on else memory.way.turned()).to(load, conjugates, loss, of_points)
+            energy = max(begun + way.work, memory.dissipated_energy)  # with more states of the way it may be less
         state = ContactState(
             P,
             Q,
@@ -212,29 +226,13 @@ class HalfPlaneContact:
             layout,
             slip_field,
             reference,
-            partial(interpolated, x, of_p),
-            partial(interpolated, x, of_q),
-            StoredField(x, solution.gap, gap),
+            p,
+            q,
+            opening,
             way,
+            begun,
             memory.directions(load),
         )
-
-    def _worked(self, memory, operator, solution, reached, load, normal_stage):
-        """Frictional work since first contact, and the straight way of the loads that is its last part."""
-        x = operator.nodes
-        moved = memory.position(x) - reached
-        pressure = (solution.pressure + memory.pressure(x)) / 2
-        of_points = integral(x, operator.of_pressure, self.mu * solution.sets.slipping * pressure, moved)
-        conjugates = solution.delta_y, solution.delta_x, float(operator.weight_q @ (solution.traction * x))
-        if normal_stage or memory.way is None:
-            way = StraightWay(self.mu, operator.is_coupled, (load,), (conjugates,))
-            return memory.dissipated_energy + of_points, way
-        loss = integral(x, operator.of_traction, (solution.traction + memory.traction(x)) / 2, moved)
-        if operator.is_coupled:
-            loss += integral(x, operator.of_pressure, pressure, memory.gap(x) - solution.gap)
-        before = memory.way if memory.way.goes_on(load) else memory.way.turned()
-        way = before.to(load, conjugates, loss, of_points)
-        return memory.dissipated_energy + way.work - before.work, way
 
     def _friction(self, normal_stage):
         return self.mu if self.friction_in_normal_stage or not normal_stage else 0.0
@@ -267,6 +265,12 @@ class HalfPlaneContact:
         while excess(high) < 0:
             high += 5
         return flat + exp(brentq(excess, low, high))
+
+
+def _loss(traction_before: Interpolant, before, traction: Interpolant, now) -> float:
+    """What a traction loses in an increment by its mean before and after; before, now: where it moves the surface."""
+    parts = (part.integral(before(part.nodes) - now(part.nodes)) for part in (traction_before, traction))
+    return sum(parts) / 2
 
 
 def _initial_sets(x, layout, previous):

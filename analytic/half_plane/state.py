@@ -116,7 +116,8 @@ class PiecewiseField:
 @dataclass(frozen=True)
 class Memory:
     """Last state (None before first contact), its layout, functions of x: slip, its reference u_x - delta_x, pressure,
-    traction, gap; the straight way of the loads so far, and the directions in which Q and the strain last moved."""
+    traction, gap; the straight way of the loads so far, the frictional work before it, and the directions in which Q
+    and the strain last moved."""
 
     state: ContactState | None
     layout: Layout
@@ -126,6 +127,7 @@ class Memory:
     traction: Callable = np.zeros_like
     gap: Callable = np.zeros_like
     way: StraightWay | None = None
+    begun: float = 0.0
     direction: tuple[float, float] = (0.0, 0.0)
 
     def position(self, x):

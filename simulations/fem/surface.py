@@ -6,7 +6,8 @@ from functools import cached_property
 
 import numpy as np
 
-from .body import X, Y
+from forms.contact import X, Y
+
 from .contact_problem import ContactProblem
 
 SKIPPED, FITTED = 5, 10  # nodes next to an edge that carry its discretisation error, and those read beyond them

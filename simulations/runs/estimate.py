@@ -15,11 +15,13 @@ from .checks import MORE_STEPS, Check
 from .comparison import QUANTITIES, OfStates, compare_all, of_history
 from .coupled_loop import serves
 from .history import Entry, History
+from .mesh_free import goes_round, steps_for_one
 from .report_data import Comparison
 from .simulation import Simulation
 
 COARSER_MESH = 2.0  # times the fineness
 TOO_COARSE = "a smaller solver.accuracy may help"
+TWICE = 2  # as many load steps
 FIRST_ORDER = 2.0  # an error like the load step is twice what half of that step changes
 WELL_KNOWN = 0.3  # of the accuracy asked for: a reference whose own error is larger measures none
 
@@ -164,11 +166,12 @@ def dependent_on_load_steps(simulation: Simulation) -> set[str]:
 
 
 def of_load_steps(simulation: Simulation) -> Errors:
-    """Errors of a finished ``simulation`` from its load steps, estimated with twice as many; collective."""
+    """Errors of a finished ``simulation`` from its load steps, estimated with more of them; collective."""
     scene, history = simulation.scene, simulation.history
-    more = {"solver.increments": 2 * scene.solver.increments}
+    times = steps_for_one(simulation) if goes_round(simulation) else TWICE
+    more = {"solver.increments": times * scene.solver.increments}
     if "friction in normal stage" in simulation.effects:  # else these do not matter
-        more["solver.normal_increments"] = 2 * scene.solver.normal_increments
+        more["solver.normal_increments"] = TWICE * scene.solver.normal_increments
     other = Simulation(simulation.body.mesh.comm, make_scene(more, base=scene)).run_to_end()
     finer = OfStates(list(_at_same_loads(history, other.history)), other.history.dissipated_energy)
     return _scaled(FIRST_ORDER, history, finer)

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from analytic import GradedHalfPlane, PowerProfile
+from analytic.checks import ContactNotConverged
 from analytic.half_plane.interpolation import linear
-from analytic.half_plane.linear import ContactNotConverged, ContactSets, Data, LinearProblems, _Base
+from analytic.half_plane.linear import ContactSets, Data, LinearProblems, _Base
 from analytic.half_plane.operator import SurfaceOperator
 from analytic.half_plane.solver import PASSES, HalfPlaneContact
 from analytic.half_plane.surface_kernel import PowerLawKernel

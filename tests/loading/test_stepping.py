@@ -125,9 +125,9 @@ def test_a_half_of_a_harmonic_load_step_lies_on_the_arc(monkeypatch):
     begun = next(n for n, load in enumerate(loads) if abs(load.strain) > 1e-6 * strain)
     places = np.array([load.Q / Q_A + 1j * load.strain / strain for load in loads[begun:]])
     assert np.abs(places) == pytest.approx(1.0)
-    half = {1, 2, 3, 4, 5, 6, 6.9, 7.8, 7.9, 8}  # eighths of a half circle; a short load step comes last
-    found = set(np.round(np.angle(places, deg=True) / 22.5, 6) % 16)
-    assert found == {*half, *((8 + place) % 16 for place in half)}
+    half = [22.5, 45, 67.5, 90, 112.5, 135, 157.3125, 179.625, 179.8125, 180]  # a short load step comes last
+    found = set(np.round(np.angle(places, deg=True), 4) % 360)
+    assert found == {*half, *((180 + place) % 360 for place in half)}
 
 
 def test_a_restored_state_balances_as_it_did(monkeypatch):

@@ -145,8 +145,8 @@ def test_steps_of_a_lagging_strain_go_round_an_ellipse():
     loads, places = refined(schedule, equal_shares(schedule, friction_first=False, finer=4))
     assert np.array(loads)[places] == pytest.approx(np.array([step.load for step in schedule]))
     _, Q, strain = np.array(loads[places[2] :]).T
-    half = [0, 1, 2, 3, 4, 5, 5.9, 6]
-    ends = np.pi / 6 * np.array([*half, *(6 + place for place in half[1:])])
+    half = [0, 30, 60, 90, 120, 150, 179.625, 180]
+    ends = np.deg2rad([*half, *(180 + place for place in half[1:])])
     angle = np.interp(np.arange(len(Q)) / 4, np.arange(len(ends)), ends)
     assert Q == pytest.approx(0.6 * np.cos(angle), abs=1e-12)
     assert strain == pytest.approx(2 * np.cos(angle - np.pi / 3), abs=1e-12)
