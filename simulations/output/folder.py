@@ -30,6 +30,7 @@ MOVED = Path("/opt/stack/moved.txt")  # of the image: packages whose recorded ve
 FILES = (SCENE, "history.csv", "surface.h5", field_index.XDMF, field_index.VTKHDF, "summary.json", "fretting.png")
 REPORT = "report.html"
 SWEEP = "sweep.jsonl", "sweep.csv"  # of a sweep: finished runs, and their table
+RUN_OF_SWEEP = r"run-\d{4,}"  # name of the folder of one of its scenes
 BODY = "body.pdf", "body.png", "body.gif"  # of studies.body_stress
 OTHERS = (lines.NAME, REPORT, *BODY)  # where they are asked for
 FOLDERS = (checkpoint.FOLDER, field_index.FOLDER)
@@ -61,16 +62,19 @@ def versions() -> dict[str, str]:
 
 
 @contextmanager
-def claimed(comm, folder: Path, scene_file: Path | None = None, overwrite=False, resume=False) -> Iterator[None]:
+def claimed(
+    comm, folder: Path, scene_file: Path | None = None, overwrite=False, resume=False, of_sweep=False
+) -> Iterator[None]:
     """``folder`` locked for one run, on every rank; SceneError where it may not be written.
 
-    scene_file: the user's, which stays as it is. Nothing is left of a folder in which no run began.
+    scene_file: the user's, which stays as it is; of_sweep: whether the run is a scene of the sweep in the folder above.
+    Nothing is left of a folder in which no run began.
     """
     claim = None
 
     def take():
         nonlocal claim
-        claim = _Claim(folder, scene_file, overwrite, resume)
+        claim = _Claim(folder, scene_file, overwrite, resume, of_sweep)
 
     on_root(comm, take, SceneError)
     try:
@@ -198,12 +202,12 @@ def writable(folder: Path, option: str = "--output") -> list[Path]:
 class _Claim:
     """Rank 0's hold on the folder."""
 
-    def __init__(self, folder: Path, scene_file: Path | None, overwrite: bool, resume: bool):
+    def __init__(self, folder: Path, scene_file: Path | None, overwrite: bool, resume: bool, of_sweep: bool):
         self._missing = [] if resume else _missing(folder)
         self._lock = locked(folder, "--resume" if resume else "--output")
         try:
             if not resume:
-                _refuse(folder, scene_file, overwrite)
+                _refuse(folder, scene_file, overwrite, of_sweep)
             own = (*FILES, lines.NAME, "memory.npz")
             for path in (folder, *(folder / name for name in FOLDERS)):
                 for partial in path.glob("part.*"):
@@ -231,12 +235,15 @@ def remove_empty(folders: Iterable[Path]):
             folder.rmdir()
 
 
-def _refuse(folder: Path, scene_file: Path | None, overwrite: bool):
+def _refuse(folder: Path, scene_file: Path | None, overwrite: bool, of_sweep: bool):
     """SceneError where a run in ``folder`` would replace something that it must not."""
     start = f"--output {shown(folder)} is not allowed: "
     sweep = next((name for name in SWEEP if (folder / name).exists()), None)
     if sweep:
         raise SceneError(f"{start}it holds {sweep}, of a sweep; choose another folder")
+    place = folder.resolve()
+    if not of_sweep and re.fullmatch(RUN_OF_SWEEP, place.name) and (place.parent / SWEEP[0]).exists():
+        raise SceneError(f"{start}it is a scene's folder of the sweep around it; choose another folder")
     names = [name for name in (*FILES, *OTHERS, checkpoint.FOLDER) if (folder / name).exists()]
     names += [field_index.FOLDER + "/"] if any(True for _ in _state_files(folder)) else []
     if not names:

@@ -142,7 +142,7 @@ def run_scene(values: Row) -> Row:
         folder = Path(values["folder"])
         if not has_lost_scene(folder):
             refuse_changed(folder)
-        with claimed(MPI.COMM_SELF, folder, overwrite=is_run_of(folder, scene)):
+        with claimed(MPI.COMM_SELF, folder, overwrite=is_run_of(folder, scene), of_sweep=True):
             begin(folder, scene)
             with Results(folder, simulation) as results:
                 for entry in simulation.run():

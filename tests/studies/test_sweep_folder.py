@@ -187,6 +187,18 @@ def test_a_single_run_is_not_let_into_the_folder_of_a_sweep(tmp_path, more):
     assert contents(tmp_path) == before
 
 
+@pytest.mark.parametrize("more", [(), ("--overwrite",)])
+@pytest.mark.parametrize("name", ["run-0002", "run-0003"])
+def test_a_single_run_does_not_take_the_place_of_a_scene_of_a_sweep(swept, more, name, monkeypatch):
+    """The table and the store would go on to tell of the scene; also one that the sweep may have later."""
+    before = contents(swept)
+    monkeypatch.chdir(swept)
+    for folder in (swept / name, Path(name)):
+        with pytest.raises(SceneError, match="it is a scene's folder of the sweep around it; choose another folder"):
+            fretting.main([*coarse_arguments(folder), *more])
+    assert contents(swept) == before
+
+
 def test_a_run_of_another_scene_in_the_place_of_one_is_kept(swept, tmp_path):
     """The scene is a failed row; that of a stopped sweep is run again."""
     (swept / "run-0001").rename(tmp_path / "run-0001")
