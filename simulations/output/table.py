@@ -18,7 +18,8 @@ def table(findings: Findings, has_cycle: bool) -> str:
     names = ROWS | ({"dissipated_energy": "energy per cycle [J/m]"} if has_cycle else {})
     lines = _rows(findings, names, findings.exact, "error")
     exact = findings.exact
-    lines.append(f"reference: {exact.words}" if exact else f"no errors: reference {findings.why_none}")
+    unknown = f"errors are not known: {findings.why_none.removeprefix('none: ')}"
+    lines.append(f"reference: {exact.words}" if exact else unknown)
     own = {name: exact.own.get(f"{name}_l2", 0.0) for name in FIELDS} if exact else {}
     if any(own.values()):
         lines.append("of the worst errors its own: " + ", ".join(f"{name} {size:.1e}" for name, size in own.items()))
