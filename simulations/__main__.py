@@ -1,5 +1,6 @@
 """All commands under one name:  graded-fretting COMMAND …  is  python -m simulations.MODULE …"""
 
+import os
 import sys
 from difflib import get_close_matches
 from runpy import run_module
@@ -32,9 +33,9 @@ def main():
     """Run the command that the command line begins with; without one, list them all."""
     name, *arguments = sys.argv[1:] or ["--help"]
     if name == "--version":
-        print(f"graded-fretting {__version__}")
+        show(f"graded-fretting {__version__}")
     elif name in ("-h", "--help"):
-        print(listing())
+        show(listing())
     elif name in COMMANDS:
         sys.argv[1:] = arguments
         try:
@@ -48,6 +49,14 @@ def main():
         known = f"did you mean {close[0]}?" if close else f"one of {', '.join(COMMANDS)}"
         print(f"command {name!r} is not known: {known}", file=sys.stderr)
         sys.exit(WRONG_INPUT)
+
+
+def show(text: str):
+    """Print, where somebody listens: as ``| head -1`` does not for long."""
+    try:
+        print(text, flush=True)
+    except OSError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def listing() -> str:

@@ -143,6 +143,15 @@ def test_nobody_listens(stream, tmp_path):
     assert json.loads((tmp_path / "run" / "summary.json").read_text())["converged"]
 
 
+def test_nobody_listens_to_the_list_of_commands():
+    """As at the end of ``| head -1``."""
+    read, write = os.pipe()
+    os.close(read)
+    run = start_python("-m", "simulations", stdout=write, stderr=PIPE, text=True)
+    os.close(write)
+    assert (run.communicate(timeout=60)[1], run.returncode) == ("", 0)
+
+
 def test_no_standard_stream_is_there(tmp_path):
     """As some batch systems start a command: all three are closed, and the first files would get their numbers."""
     words = python("-m", "simulations.fretting", *coarse_arguments(tmp_path / "run"))
