@@ -10,7 +10,7 @@ from .command.command import on_root, run, say
 from .output import page_figures as figures
 from .output.body_states import read_states
 from .output.files import rows_of, write_text
-from .output.folder import REPORT, refuse_changed
+from .output.folder import REPORT, lost_file, refuse_changed
 from .output.page_words import CHECKS, FIELDS, PHASES, QUANTITIES, asked, quantity
 from .output.style import left_out, spread
 from .scene import SceneError, parse, shown
@@ -45,7 +45,7 @@ def write(folder: Path) -> Path:
 
 
 def read(arguments: list[str]) -> Path:
-    """The folder that the command line names; SceneError where it holds no results, or those of another scene."""
+    """The folder that the command line names; SceneError where its files are not all there, or of another scene."""
     parser = Parser(prog="python -m simulations.report", description=__doc__)
     parser.add_argument("folder", type=Path, metavar="DIR", help="folder of a run")
     folder = parser.parse_args(arguments).folder
@@ -53,6 +53,9 @@ def read(arguments: list[str]) -> Path:
         if not (folder / name).is_file():
             raise SceneError(f"{shown(folder)} is not the folder of a run that ended: {name} is missing")
     refuse_changed(folder)
+    lost = lost_file(folder)
+    if lost:
+        raise SceneError(f"{shown(folder)} does not hold the whole run: {lost} is missing")
     return folder
 
 

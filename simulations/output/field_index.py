@@ -1,5 +1,6 @@
 """Indices of the states in fields/*.h5: XDMF, which everything reads, and VTKHDF, which knows every degree."""
 
+import re
 from pathlib import Path
 
 import h5py
@@ -16,6 +17,11 @@ VTK_CELLS = {1: 9, 2: 28, 3: 70}  # VTK_QUAD, VTK_BIQUADRATIC_QUAD, VTK_LAGRANGE
 def file_name(number: int) -> str:
     """Of the state of a load step, in the folder ``fields``."""
     return f"{number:06d}.h5"
+
+
+def files_of(xdmf: str) -> list[str]:
+    """The files that an index names, by their place in the folder of the run."""
+    return sorted(set(re.findall(rf">({FOLDER}/[^:<]+):", xdmf)))
 
 
 def local_nodes(degree: int) -> list[tuple[int, int]]:

@@ -160,6 +160,21 @@ def lost_table(folder: Path) -> str:
     return next((name for name in ("history.csv", "surface.h5") if not (folder / name).exists()), "")
 
 
+def lost_file(folder: Path) -> str:
+    """The first file that is missing of a run that has ended, well or not; "" for none.
+
+    The picture is made at the end alone, and the fields with their indices where states are kept.
+    """
+    names, indices = [SCENE, "history.csv", "surface.h5", "summary.json"], [field_index.XDMF, field_index.VTKHDF]
+    if checkpoint.is_complete(folder):
+        names.append("fretting.png")
+    if any((folder / name).exists() for name in (field_index.FOLDER, *indices)):
+        names += indices
+    if (folder / field_index.XDMF).exists():
+        names += field_index.files_of((folder / field_index.XDMF).read_text(encoding="utf-8"))
+    return next((name for name in names if not (folder / name).exists()), "")
+
+
 def locked(folder: Path, option: str = "--output") -> Lock:
     """The lock of ``folder``, which is made; SceneError where that cannot be, or where another process has it."""
     made = writable(folder, option)

@@ -15,6 +15,7 @@ from running import COARSE, coarse_arguments, csv_rows
 
 from simulations import fretting, report
 from simulations.output import page_figures, plots
+from simulations.output.folder import FILES
 from simulations.output.page_figures import DENSITY, surface
 from simulations.output.page_words import CHECKS, QUANTITIES, asked, quantity
 from simulations.runs.simulation import Simulation
@@ -274,6 +275,25 @@ def test_folders_without_a_run_are_refused(tmp_path, content):
     with pytest.raises(SceneError) as error:
         report.main([str(tmp_path)])
     assert "\n" not in str(error.value) and not (tmp_path / "report.html").exists()
+
+
+@pytest.mark.parametrize("name", [*FILES, "fields/mesh.h5", "a state"])
+def test_a_run_that_has_lost_a_file_has_no_page(folder, name):
+    """It would look whole."""
+    lost = name if name != "a state" else f"fields/{next((folder / 'fields').glob('0*.h5')).name}"
+    (folder / lost).unlink()
+    with pytest.raises(SceneError, match=f"^{str(folder)[:10]}.*copy .*: {lost} is missing$"):
+        report.main([str(folder)])
+    assert not (folder / "report.html").exists()
+
+
+def test_a_run_that_stopped_before_a_state_was_kept_has_a_page(folder):
+    (folder / "summary.json").write_text(json.dumps(summary_of(folder) | {"converged": False, "failure": "stopped"}))
+    for name in ("fretting.png", "fields.xdmf", "fields.vtkhdf"):
+        (folder / name).unlink()
+    shutil.rmtree(folder / "fields")
+    report.main([str(folder)])
+    assert "Did not reach its end: stopped" in (folder / "report.html").read_text()
 
 
 WITHOUT_POWER_LAW = {"k": None, "y0_over_a0": None}
