@@ -30,7 +30,7 @@ from ..scene.text import read_keys, written
 from .engine import FAILED, Item, Row, run_all
 from .store import Store
 from .sweep_folder import RUNS, taken
-from .variation import Changes, base_of, check, keys_alone, listed, overrides, product
+from .variation import REASON, RESULTS, STATUS, Changes, base_of, check, keys_alone, listed, overrides, product
 
 # Keys that may leave mesh and stiffness as they are, in units of the contact.
 SCALES = {"title", "load.P", "load.mu", "solid.E0", "solid.y0", "indenter.R", "solver.gamma0", "reference.kind"}
@@ -41,14 +41,19 @@ class Table(list[Row]):
     """Rows of a sweep, one a scene: the keys that vary, results, errors, checks, seconds, status and reason."""
 
     def to_csv(self, path: str | Path):
-        """A CSV file with a column for each key of any row; truth values and lists as the scene language has them."""
+        """A CSV file with a column for each key of any row; truth values and lists as the scene language has them.
+
+        Where all scenes failed, the columns of their results are there too, and empty.
+        """
         words = [{n: written(v) if isinstance(v, (bool, list)) else v for n, v in row.items()} for row in self]
+        if all(row.get(STATUS) == FAILED for row in self):
+            words = [row | dict.fromkeys(RESULTS, "") for row in words]
         write_table(Path(path), words)
 
     @property
     def failed(self) -> int:
         """Scenes without results."""
-        return sum(row["status"] != "done" for row in self)
+        return sum(row[STATUS] != "done" for row in self)
 
     @property
     def not_held(self) -> int:
@@ -120,7 +125,7 @@ def run_sweep(cases: list[Changes], items: list[Item], store: Store | None, exec
 
 def _with_status(row: Row) -> Row:
     failed = row.get(FAILED)
-    return {"status": "done" if failed is None else FAILED, "reason": failed or ""} | ({} if failed else row)
+    return {STATUS: "done" if failed is None else FAILED, REASON: failed or ""} | ({} if failed else row)
 
 
 def _solid(changes: Changes) -> str:

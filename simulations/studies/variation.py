@@ -17,6 +17,9 @@ from ..scene.text import NUMBER, flatten, read_keys, read_text, read_value, writ
 
 Changes = dict[str, Any]  # keys of a scene and their values
 MOST = 100_000  # scenes of a sweep
+STATUS, REASON = "status", "reason"  # columns of a sweep's table beside its keys and results
+RESULTS = ("a[m]", "indentation[m]", "peak_pressure[Pa]", "reference", "checks")  # columns of every scene's results
+RESULTS += ("unknowns", "increments", "newton_iterations", "seconds")
 RANGE = re.compile(rf"({NUMBER}):({NUMBER}):(\d+)")
 TOKEN = re.compile(r'''(?<!\w)(?:"(?:\\.|[^"\\])*"|'[^']*')|.''', re.DOTALL)  # a text in quotes, or one character
 
@@ -78,14 +81,21 @@ def read_table(path: Path) -> list[Changes]:
             raise SceneError(f"--csv-in {shown(path)} is not allowed: its columns are separated by {word}, not by ,")
     if not any(lines) or "" in names or len(set(names)) < len(names):
         raise SceneError(f"--csv-in {shown(path)} is not allowed: a line of different keys, then lines of values")
+    results = [name for name in names if name in (STATUS, REASON, *RESULTS)]
+    if results:
+        why = f"its column {results[0]} is what a sweep found, not a key; keep the columns of keys alone"
+        raise SceneError(f"--csv-in {shown(path)} is not allowed: {why}")
     rows = []
     lines_of: dict[tuple, int] = {}
     for number, line in enumerate(lines, start=2):
         if not line:
             continue
-        if len(line) != len(names) or "" in (cell.strip() for cell in line):
+        cells = [cell.strip() for cell in line]
+        if len(cells) != len(names):
             raise SceneError(f"--csv-in {shown(path)}, line {number}: {len(names)} values are needed")
-        row = {name: read_value(cell.strip()) for name, cell in zip(names, line)}
+        if "" in cells:
+            raise SceneError(f"--csv-in {shown(path)}, line {number}: {names[cells.index('')]} is empty")
+        row = {name: read_value(cell) for name, cell in zip(names, cells)}
         if lines_of.setdefault(tuple(map(_comparable, row.values())), number) != number:
             raise SceneError(f"--csv-in {shown(path)}, line {number}: the same row is there twice")
         rows.append(row)
@@ -186,7 +196,8 @@ def check(text: str, sets: tuple[str, ...], cases: list[Changes]):
     if never:
         blamed = min(never, key=lambda entry: not str(refused[entry]).startswith(f"{entry[0]} = "))  # else the first
         _check_base(text, sets, refused[blamed])
-        raise SceneError(f"{blamed[0]} = {one_line(blamed[1])} is to vary, but: {refused[blamed]}")
+        entry, reason = f"{blamed[0]} = {one_line(blamed[1])}", str(refused[blamed])
+        raise SceneError(reason if reason.startswith(entry) else f"{entry} is to vary, but: {reason}")
 
 
 def _check_base(text: str, sets: tuple[str, ...], reason: SceneError):

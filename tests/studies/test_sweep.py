@@ -19,6 +19,7 @@ from simulations.runs import checks, comparison, reference
 from simulations.runs.reference import closed_form
 from simulations.runs.report_data import find
 from simulations.studies import sweeping
+from simulations.studies.variation import RESULTS
 
 MEASURED = ("seconds",)
 
@@ -68,6 +69,7 @@ def test_a_row_a_scene(table):
         (k, mu) for k in ("0.0", "0.3", "0.6") for mu in ("0.2", "0.5")
     ]
     assert {row["status"] for row in rows} == {"done"} and {row["checks"] for row in rows} == {"hold"}
+    assert set(RESULTS) < set(rows[0])
     for row in rows:
         assert row["reference"].startswith("closed form")
         assert abs(float(row["error_dissipated_energy"])) < 2e-3
@@ -138,6 +140,14 @@ def test_a_failed_scene_is_a_row(tmp_path):
     again = run(tmp_path, ("load.amplitude=0.01,0.5", "solid.k=0.3"), ranks=2)
     assert again.returncode == 3 and "1 of 2 runs kept from before" in again.stdout
     assert "Traceback" not in again.stderr
+
+
+def test_a_table_without_results_has_their_columns(tmp_path):
+    """Who reads ``checks`` need not know whether a scene has a result."""
+    table = sweep(vary={"load.amplitude": [0.01]}, sets=COARSE_SETS)
+    table.to_csv(tmp_path / "sweep.csv")
+    (row,) = rows_of(tmp_path)
+    assert row["status"] == "failed" and row["checks"] == row["a[m]"] == row["seconds"] == ""
 
 
 def test_a_combination_that_is_no_scene_is_a_row():
