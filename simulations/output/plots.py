@@ -1,5 +1,6 @@
 """One picture of a run: pressure, traction, slip, frictional work and the friction loop, points on reference lines."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -17,16 +18,18 @@ STYLES = ("-", "--")
 WIDTH = 6.0  # inches at least, as the longest line of the legend needs
 DOTS = 45  # computed points shown a curve
 DRAWN, DRAWN_LOOP = 461, 61  # points of a reference's curve, one a pixel; closed forms of most profiles are slow
+NAMED, RED = 3, "#aa0000"  # failing checks that the picture names, and their colour
 REACH = 1.15  # drawn part of the surface, over the widest contact
 CONSTANT = 0.999  # of the largest normal load: a smaller one is another load
 WORST = {"marker": "o", "ms": 9, "mfc": "none", "mec": "k", "mew": 1.0, "ls": "none"}  # a ring around the worst node
 
 
-def plot_run(path: Path, title: str, simulation: Simulation, lines: dict[str, Reference]):
+def plot_run(path: Path, title: str, simulation: Simulation, lines: dict[str, Reference], failing: Sequence[str] = ()):
     """PNG of the last state's pressure and, with friction, of traction and slip of the named states of the last cycle,
     of the frictional work w, and of the loop.
 
     lines: what the computed points are laid on, by label; the node farthest from the first is always among the points.
+    failing: checks that fail, which the picture says in red.
     In all panels P is the largest normal load, and a the contact half-width that scales lengths, whatever the state.
     """
     history = simulation.history
@@ -37,7 +40,9 @@ def plot_run(path: Path, title: str, simulation: Simulation, lines: dict[str, Re
         figure.get_layout_engine().set(w_pad=0.1, h_pad=0.1)
         for axis in axes.flat:  # few enough tick labels to stay apart
             axis.xaxis.set_major_locator(MaxNLocator(7, steps=[1, 2, 5, 10]))
-        figure.suptitle(f"{title}\n{in_words(simulation.scene)}", wrap=True, parse_math=False, fontsize=11)
+        space = "\n " if failing else ""  # for the red line
+        words = f"{title}\n{in_words(simulation.scene)}{space}"
+        heading = figure.suptitle(words, wrap=True, parse_math=False, fontsize=11)
         _pressure(axes[0, 0], simulation, lines)
         if history.friction:
             _traction(axes[0, 1], simulation, lines)
@@ -45,7 +50,18 @@ def plot_run(path: Path, title: str, simulation: Simulation, lines: dict[str, Re
             _work(axes[1, 0], simulation, lines)
             _loop(axes[1, 1], axes[1, 2], simulation, lines)
         _legend(figure, simulation, lines)
+        if failing:
+            _say_failing(figure, heading, failing)
         save(figure, path.parent, path.stem, ("png",))
+
+
+def _say_failing(figure, heading, failing):
+    """A red line in the last line of the heading, which is empty; it names as many checks as fit."""
+    figure.draw_without_rendering()  # only then the heading has its place
+    lowest = heading.get_window_extent().ymin / figure.bbox.height
+    rest = f" and {len(failing) - NAMED} more" if len(failing) > NAMED else ""
+    words = f"checks that fail: {', '.join(failing[:NAMED])}{rest}"
+    figure.text(0.5, lowest, words, color=RED, ha="center", va="bottom", fontsize=11, parse_math=False)
 
 
 def _named(history: History) -> list[Entry]:
@@ -141,14 +157,20 @@ def _work(axis, simulation, lines):
     references = [closed if is_known and isinstance(line, Springs) else None for line in lines.values()]
     _curves(axis, entry, _widest(history), history.work / unit, references, COLOURS[2])
     size = _in_si(unit * scales.energy / scales.length, "J/m²")
+    note = _note(lines, [label for label, known in zip(lines, references) if known])
     when = "last cycle" if history.has_cycle else "all load steps"
     energy = history.dissipated_energy * scales.energy
-    axis.set(xlabel=_position(simulation), title=f"Frictional work, {when}: ΔW = {energy:.4g} J/m")
+    axis.set(xlabel=_position(simulation) + note, title=f"Frictional work, {when}: ΔW = {energy:.4g} J/m")
     axis.set_ylabel(f"density $w\\,a/(\\mu P\\,\\mu\\alpha f(a))$ [–]  ({size})")
 
 
+def _note(lines, drawn):
+    """Below a panel in which only the second line, that of another problem, is drawn: else the run would look off."""
+    return "\ndashed: another problem (see legend)" if drawn and drawn[0] != next(iter(lines)) else ""
+
+
 def _loop(axis, beside, simulation, lines):
-    """The friction loop, and how far each point is from the straight line between its ends: the hysteresis."""
+    """The friction loop, and how far each point is from the chord between its ends: the hysteresis."""
     history, mu, unit = simulation.history, simulation.mu, _slip_unit(simulation)
     start = [e for e in history.entries if e.step.branch == "normal"][-1]
     states = [start, *(e for e in history.entries if e.step.branch != "normal")]
@@ -157,19 +179,20 @@ def _loop(axis, beside, simulation, lines):
     low, high = np.argmin(Q), len(Q) - 1 - np.argmax(Q[::-1])
     slope = (shift[high] - shift[low]) / (Q[high] - Q[low]) if Q[high] > Q[low] else 0.0
 
+    drawn = []
     if simulation.loop and simulation.scene.k > 0:  # elsewhere no closed form has a shift
-        for line, dashes in zip(lines.values(), STYLES):
+        for (label, line), dashes in zip(lines.items(), STYLES):
             if isinstance(line, Springs):
                 _closed_loop(axis, beside, simulation.loop, unit, dashes, history.has_cycle)
+                drawn.append(label)
     axis.plot(shift, Q, "o-", ms=4, lw=0.5, color=COLOURS[4])
-    beside.plot(Q, shift - shift[low] - slope * (Q - Q[low]), "o-", ms=4, lw=0.5, color=COLOURS[4])
+    beside.plot(shift - shift[low] - slope * (Q - Q[low]), Q, "o-", ms=4, lw=0.5, color=COLOURS[4])
     size = _in_si(unit * simulation.scaled.scales.displacement, "m")
     load = _in_si(mu * simulation.scaled.scales.line_load, "N/m")
-    name = "\\delta_x/(\\mu\\alpha f(a))"
-    axis.set(xlabel=f"rigid shift ${name}$ [–]  ({size})", ylabel=f"tangential load Q/(μP) [–]  ({load})")
-    axis.set_title("Friction loop")
-    beside.set(xlabel="tangential load Q/(μP) [–]", ylabel=f"${name}$ − straight line [–]  ({size})")
-    beside.set_title("The same, less the line between its ends")
+    name, note = "$\\delta_x/(\\mu\\alpha f(a))$", _note(lines, drawn)
+    for panel, words, title in ((axis, f"rigid shift {name}", ""), (beside, f"{name} − chord", " less its chord")):
+        panel.set(xlabel=f"{words} [–]  ({size}){note}", ylabel=f"tangential load Q/(μP) [–]  ({load})")
+        panel.set_title(f"Friction loop{title}")
 
 
 def _closed_loop(axis, beside, loop, unit, dashes, is_cycle):
@@ -179,7 +202,7 @@ def _closed_loop(axis, beside, loop, unit, dashes, is_cycle):
         Q = np.linspace(0.0 if branch == "initial" else -loop.Q_A, loop.Q_A, DRAWN_LOOP)
         shift = np.array([loop.rigid_shift(q, branch) for q in Q]) / unit
         axis.plot(shift, Q / loop.mu, dashes, color=GREY, lw=1)
-        beside.plot(Q / loop.mu, shift - end * Q / loop.Q_A, dashes, color=GREY, lw=1)
+        beside.plot(shift - end * Q / loop.Q_A, Q / loop.mu, dashes, color=GREY, lw=1)
 
 
 def _legend(figure, simulation, lines):
@@ -195,7 +218,7 @@ def _legend(figure, simulation, lines):
     handles += [plt.Line2D([], [], marker="o", ms=4, ls="none", color=GREY, label="finite elements")]
     handles += [plt.Line2D([], [], ls=s, color=GREY, lw=1, label=label) for label, s in zip(lines, STYLES)]
     if lines:
-        handles += [plt.Line2D([], [], **WORST, label=f"node farthest from the {next(iter(lines))}")]
+        handles += [plt.Line2D([], [], **WORST, label="node farthest from the solid line")]
     is_graded = simulation.scene.is_power_law
     of = "under it, without friction" if is_graded else "on a constant modulus $E(a)$, under it"
     note = f"$P$: the largest normal load;  $a$: contact half-width {of}" if varies or not is_graded else ""

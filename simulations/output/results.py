@@ -138,6 +138,8 @@ class Results:
         def write():
             if self.findings:
                 self.findings.checks["accuracy"] = check
+                if not check.holds:  # which the picture is to say
+                    self._plot()
                 self._write_summary(accuracy=accuracy)
 
         self._everywhere(write)
@@ -154,5 +156,7 @@ class Results:
         findings = self.findings
         lines = {findings.exact.other.name: findings.exact.other} if findings.exact else {}
         if findings.neglecting:
-            lines[f"closed form (no {', no '.join(findings.neglecting.without)})"] = findings.neglecting.other
-        plot_run(self.folder / "fretting.png", self.simulation.scene.title, self.simulation, lines)
+            label = f"closed form of another problem (no {', no '.join(findings.neglecting.without)})"
+            lines[label] = findings.neglecting.other
+        failing = [name for name, one in findings.checks.items() if not one.holds and one.cause != NOT_JUDGED]
+        plot_run(self.folder / "fretting.png", self.simulation.scene.title, self.simulation, lines, failing)

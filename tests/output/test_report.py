@@ -18,6 +18,7 @@ from simulations.output import page_figures, plots
 from simulations.output.folder import FILES
 from simulations.output.page_figures import DENSITY, surface
 from simulations.output.page_words import CHECKS, QUANTITIES, asked, quantity
+from simulations.runs.checks import ChecksFailed
 from simulations.runs.simulation import Simulation
 from simulations.scene import SceneError, make_scene
 from simulations.scene.solid import modulus_at
@@ -233,6 +234,36 @@ def test_the_whole_picture_is_within_its_edges(changes, tmp_path, monkeypatch):
     assert inside.ymin >= edges.ymin and inside.ymax <= edges.ymax
     lowest = figure._suptitle.get_window_extent().ymin
     assert all(axis.title.get_window_extent().ymax < lowest for axis in figure.axes)
+    plt.close(figure)
+
+
+def test_checks_that_fail_are_said_in_the_picture(tmp_path, monkeypatch):
+    """On a line of its own below the title, above all panels."""
+    drawn = []
+    monkeypatch.setattr(plots, "save", lambda figure, *_: drawn.append(figure))
+    monkeypatch.setattr("simulations.runs.checks.PENETRATION", -1.0)
+    with pytest.raises(ChecksFailed):
+        fretting.main([*coarse_arguments(tmp_path), "--quiet"])
+    (figure,) = drawn
+    figure.draw_without_rendering()
+    (line,) = (text for text in figure.texts if text is not figure._suptitle)
+    assert line.get_text() == "checks that fail: gap >= 0" and line.get_color() == plots.RED
+    red, heading = line.get_window_extent(), figure._suptitle.get_window_extent()
+    assert heading.ymin - 1 <= red.ymin and red.height < 0.4 * heading.height
+    assert all(axis.title.get_window_extent().ymax < red.ymin for axis in figure.axes)
+    plt.close(figure)
+
+
+@pytest.mark.parametrize("changes, said", [({}, False), ({"solid__nu": 0.3}, True)], ids=["uncoupled", "coupled"])
+def test_a_panel_with_the_line_of_another_problem_alone_says_so(changes, said, tmp_path, monkeypatch):
+    """Frictional work and loop have no line of the reference with coupling."""
+    drawn = []
+    monkeypatch.setattr(plots, "save", lambda figure, *_: drawn.append(figure))
+    fretting.main([*coarse_arguments(tmp_path, **changes), "--quiet"])
+    (figure,) = drawn
+    assert [("another problem" in axis.get_xlabel()) for axis in figure.axes] == [False] * 3 + [said] * 3
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert ("closed form of another problem (no coupling)" in labels) is said
     plt.close(figure)
 
 

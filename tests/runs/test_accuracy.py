@@ -12,6 +12,7 @@ from running import run_command
 from solving import deviations
 
 from simulations import run, sweep
+from simulations.output import results
 from simulations.runs import estimate
 from simulations.runs.checks import ChecksWarning
 from simulations.runs.comparison import compare_all
@@ -268,7 +269,10 @@ def test_an_accuracy_that_is_missed_fails_the_run(tmp_path):
     assert "nothing is left to do" in again.stdout
 
 
-def test_an_accuracy_that_is_missed_fails_in_sweeps_and_from_python_too(tmp_path):
+def test_an_accuracy_that_is_missed_fails_in_sweeps_and_from_python_too(tmp_path, monkeypatch):
+    """The picture says so too: it is drawn again, as the accuracy is judged after it."""
+    said = []
+    monkeypatch.setattr(results, "plot_run", lambda *drawn: said.append(drawn[-1]))
     text = PATH.format("[1e4, 2e3], [6e3, 1e3], [1e4, -1e3]")
     wanted = ("solver.accuracy=2e-3", "solver.increments=1")
     with pytest.warns(ChecksWarning, match="accuracy"):
@@ -276,6 +280,7 @@ def test_an_accuracy_that_is_missed_fails_in_sweeps_and_from_python_too(tmp_path
     for folder in (None, tmp_path / "sweep"):
         (row,) = sweep(text, {"solver.gamma0": [10.0]}, sets=wanted, output=folder, folders=folder is not None)
         assert row["checks"] == "not held: accuracy"
+    assert said == [[], ["accuracy"]]
     summary = json.loads((tmp_path / "sweep" / "run-0001" / "summary.json").read_text())
     assert not summary["checks_hold"] and not summary["accuracy"]["is_within"]
 
