@@ -66,12 +66,12 @@ COLUMNS = ("effect", "switch", "unknowns", "increments", "seconds", "seconds_per
 HEAD = """\
 # What each effect costs and changes
 
-`python -m simulations.studies.ablation` on the default mesh density, facets a/40. Seconds of processor time are per
-load step, with mesh, assembly and condensation shared out, without compilation; *ratio* is on over off. *Change*
-compares the last states at the same places in metres: (off − on)/on of p and q in L2 over the surface, and of the
-dissipated energy, that of the last cycle or, without a full cycle, of the whole run. It is a difference of two
-problems; where both are the same problem (both halves, coupling at the Holl ratio, mixed form) it is what mesh and
-method leave.
+`./docker/run python -m simulations.studies.ablation` on the default mesh density, facets a/40. Seconds of
+processor time are per load step, with mesh, assembly and condensation shared out, without compilation; *ratio* is on
+over off. *Change* compares the last states at the same places in metres: (off − on)/on of p and q in L2 over the
+surface, and of the dissipated energy, that of the last cycle or, without a full cycle, of the whole run. It is a
+difference of two problems; where both are the same problem (both halves, coupling at the Holl ratio, mixed form) it is
+what mesh and method leave.
 
 | effect | unknowns on / off | s per load step on / off | ratio | change in p | in q | in energy |
 |---|---|---|---|---|---|---|

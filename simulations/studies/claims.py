@@ -20,7 +20,7 @@ INTRODUCTION = f"""\
 Sentences of Sections 4 and 5 of Heß, Giesa, Riechert, Wilhayn, Appl. Sci. 2026, 16(1), 473 that a number can
 decide. Made by
 
-    python -m simulations.studies.claims --page docs/claims.md
+    ./docker/run python -m simulations.studies.claims --page docs/claims.md
 
 The paper gives no ν for Figures 4–9 and no μ: ν = {NU:g} and μ = {MU:g} unless said otherwise. "Well", "minor",
 "marginal" and "can be neglected" are taken as a difference of at most {AGREES_WELL:.0%}.

@@ -85,8 +85,7 @@ def largest(deviations: list[Deviation]) -> str:
 def lines(found: dict[int, list[Deviation]]) -> list[str]:
     """One line a figure, as a Markdown table: figure, command, picture, largest deviation."""
     head = ["| figure | command | picture | largest deviation of the points from the curves |", "|---|---|---|---|"]
-    command = "python -m simulations.studies.figures"
-    rows = [f"| {n}: {WHAT[n]} | `{command} {n}` | figure{n}.png | {largest(d)} |" for n, d in found.items()]
+    rows = [f"| {n}: {WHAT[n]} | `{COMMAND} {n}` | figure{n}.png | {largest(d)} |" for n, d in found.items()]
     return head + rows
 
 
@@ -95,7 +94,7 @@ def text_of(found: dict[int, list[Deviation]], folder: Path, page: Path) -> str:
     pictures = Path(os.path.relpath(folder, page.parent))
     text = INTRODUCTION
     for number, deviations in found.items():
-        text += f"\n## Figure {number}: {WHAT[number]}\n\n    python -m simulations.studies.figures {number}\n\n"
+        text += f"\n## Figure {number}: {WHAT[number]}\n\n    {COMMAND} {number}\n\n"
         text += f"![Figure {number}]({pictures.as_posix()}/figure{number}.png)\n\n"
         text += "| panel | curve | quantity | | largest, over the curve's maximum | L2 over the contact |\n"
         text += "|---|---|---|---|---|---|\n"
@@ -105,12 +104,13 @@ def text_of(found: dict[int, list[Deviation]], folder: Path, page: Path) -> str:
     return text
 
 
-INTRODUCTION = """\
+COMMAND = "./docker/run python -m simulations.studies.figures"
+INTRODUCTION = f"""\
 # The paper's figures
 
 Figures 4–11 of Heß, Giesa, Riechert, Wilhayn, Appl. Sci. 2026, 16(1), 473, made by
 
-    python -m simulations.studies.figures all --output docs/figures --page docs/figures.md
+    {COMMAND} all --output docs/figures --page docs/figures.md
 
 Lines are the closed forms, points the finite elements. Where both have the same physics (coupling off, or the Holl
 ratio ν = 1/(2+k)) their distance is an *error*; where the finite elements have the coupling that the closed forms

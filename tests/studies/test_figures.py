@@ -113,7 +113,7 @@ def test_table_names_command_picture_and_both_kinds():
         10: [Deviation("b", "one", "slip", "error", 2e-5, 1e-5), Deviation("b", "two", "slip", "difference", 0.2, 0.1)]
     }
     row = lines(found)[-1]
-    command = "python -m simulations.studies.figures 10"
+    command = "./docker/run python -m simulations.studies.figures 10"
     for word in (command, "figure10.png", "error 2.0e-05", "difference 2.0e-01", "(two)"):
         assert word in row
 
@@ -122,7 +122,7 @@ def test_every_figure_is_listed_with_a_picture():
     page = "docs/figures.md"
     text = (ROOT / page).read_text(encoding="utf-8")
     for number in FIGURES:
-        assert f"python -m simulations.studies.figures {number}" in text
+        assert f"    ./docker/run python -m simulations.studies.figures {number}\n" in text
         (picture,) = set(re.findall(rf"\(([\w/]*figure{number}\.png)\)", text))
         assert ((ROOT / page).parent / picture).is_file()
 
