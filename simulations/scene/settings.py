@@ -117,7 +117,7 @@ class EffectSwitches(Table):
     elastic_slip: Length | None = Field(
         default=None,
         description="regularises Coulomb's law: a stuck point slips in proportion to its traction, by this length at "
-        "q = μP/(2a); empty: not at all",
+        "q = μP/(2a), for a coating with the a that scales lengths, not the contact's own; empty: not at all",
     )
     friction_in_normal_stage: Truth = Field(default=False, description="friction from the first contact on")
     incompressibility: Truth | Literal["auto"] = Field(
