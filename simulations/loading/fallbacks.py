@@ -42,7 +42,7 @@ class Fallback:
     solve: Callable[[Newton, Load], list[NewtonResult]]
 
     def __str__(self):
-        return f"{self.name}: {self.how}, {self.when}; {self.reason}"
+        return f"{self.name} ({self.when}): {self.how}. {self.reason}."
 
 
 def jumping_newton(newton: Newton, load: Load) -> list[NewtonResult]:
@@ -70,9 +70,9 @@ FALLBACKS = (
     Fallback(
         "jumping Newton",
         "first, with friction",
-        "semismooth Newton with full steps and jumps of edges, from the line through the last two states; where "
-        "the load turns, from a step in which all points stick",
-        "edges move on nearly as they did, and the active set alone would creep to them",
+        "semismooth Newton with full steps, in which edges of contact and stick may jump; it starts on the line "
+        "through the last two states, where the load turns with all points stuck",
+        "Edges move on nearly as before, and without jumps they take many steps",
         lambda problem: problem.friction,
         jumping_newton,
     ),
@@ -80,23 +80,23 @@ FALLBACKS = (
         "Newton",
         "first, without friction",
         "semismooth Newton with full steps",
-        "it ends after a few iterations wherever the contact states settle",
+        "It ends after a few iterations once the contact states settle",
         lambda problem: not problem.friction,
         newton_as_it_is,
     ),
     Fallback(
         "path",
         "where that fails",
-        "from the iterate with the least residual, each step is cut where the first point opens, closes, sticks or "
+        "from the iterate with the least residual, each step ends where the first point opens, closes, sticks or "
         "slides",
-        "contact states change one by one, and none comes twice",
+        "Contact states change one by one, and none comes twice",
         lambda problem: True,
         path,
     ),
 )
 HALVING = (
-    "halving: two steps of half the load, one after the other, where all of these fail; or where tractions zigzag, if "
-    "they do so less then"
+    "halving (where all of these fail, or where tractions zigzag, if they do so less then): two steps of half the "
+    "load, one after the other."
 )
 
 

@@ -4,7 +4,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ..fem.body_sample import BodySample, BodySampler, gauss
+from ..fem.body_sample import BodySample, BodySampler
+from ..fem.lagrange import gauss
 from ..fem.numbering import Numbering, with_nodes_between
 from ..loading.schedule import LoadStep, load_parameter
 from ..scene.output import NORMAL, Output

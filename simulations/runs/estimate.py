@@ -53,9 +53,9 @@ class Errors:
     def in_words(self) -> list[str]:
         """The largest of both states, one line each."""
         kind, lines = "estimated, not measured" if self.is_estimate else "found", []
-        for errors, where in ((self.last, "last state"), (self.worst, "worst state")):
+        for errors, where in ((self.last, "the last state"), (self.worst, "p, q and slip in the worst state")):
             name = max(errors, key=lambda name: np.nan_to_num(abs(errors[name]), nan=np.inf))
-            lines.append(f"largest error of the {where} {abs(errors[name]):.1e} ({name}; {kind})")
+            lines.append(f"largest error of {where} {abs(errors[name]):.1e} ({name}; {kind})")
         return lines
 
     def summary(self) -> dict:
