@@ -7,7 +7,7 @@ from analytic import GradedHalfPlane, HalfPlaneContact, PowerProfile
 from analytic.straight_way import StraightWay
 
 SOLID, PROFILE = GradedHalfPlane(1.0, 0.2, 0.0, 1.0), PowerProfile(0.5, 2.0)
-LOOP = [(1.0, 0.0), (1.0, 0.45), (1.0, -0.45)]
+LOOP = [(1.0, 0.0), (1.0, 0.45), (1.0, -0.45)]  # P, Q
 FALLING = [(0.89, 0.0), (0.71, 0.1), (0.27, 0.007), (0.61, 0.13)]
 
 
@@ -27,15 +27,14 @@ def energies(points, steps, **options):
     return np.array([state.dissipated_energy for state in solver.run(loads)[::steps]])
 
 
-@pytest.mark.parametrize("coupling", [True, False])
-def test_few_load_steps_while_P_changes(monkeypatch, coupling):
-    """Points that enter contact stop too early in such load steps: what is left is the error of the states."""
+@pytest.mark.parametrize("coupling, last", [(True, 2e-4), (False, 1e-2)])
+def test_few_load_steps_while_P_changes(monkeypatch, coupling, last):
+    """What has left contact counts too. By points the energy is off by 2 to 11 %."""
     few, many = (energies(FALLING, steps, coupling=coupling) for steps in (8, 32))
-    assert few[1] == pytest.approx(many[1], rel=3e-3)
-    assert few[-1] == pytest.approx(many[-1], rel=4e-2)
+    assert few[1:-1] == pytest.approx(many[1:-1], rel=2e-4) and few[-1] == pytest.approx(many[-1], rel=last)
     monkeypatch.setattr(StraightWay, "share", 1.0)
     by_points = energies(FALLING, 8, coupling=coupling)
-    assert np.all(np.abs(by_points - many)[1:] > 2 * np.abs(few - many)[1:])
+    assert np.all(np.abs(by_points - many)[1:] > 10 * np.abs(few - many)[1:])
 
 
 def test_constant_pressure_is_left_to_the_points(monkeypatch):
