@@ -66,14 +66,6 @@ def coefficients_of(interpolation, values):
     return np.einsum("ren,n->re", interpolation, values)
 
 
-def interpolated(nodes, coefficients, x):
-    """Interpolant with these ``coefficients`` (4, elements) at x, zero beyond the nodes."""
-    element = np.clip(np.searchsorted(nodes, x) - 1, 0, len(nodes) - 2)
-    t = (x - nodes[element]) / (nodes[element + 1] - nodes[element])
-    result = np.polynomial.polynomial.polyval(t, coefficients[:, element], tensor=False)
-    return np.where((x >= nodes[0]) & (x <= nodes[-1]), result, 0.0)
-
-
 @dataclass(frozen=True)
 class Interpolant:
     """Traction between ``nodes`` (n,) with these ``coefficients`` (4, n - 1), zero beyond."""
@@ -83,7 +75,11 @@ class Interpolant:
 
     def __call__(self, x):
         """Values at x."""
-        return interpolated(self.nodes, self.coefficients, x)
+        nodes = self.nodes
+        element = np.clip(np.searchsorted(nodes, x) - 1, 0, len(nodes) - 2)
+        t = (x - nodes[element]) / (nodes[element + 1] - nodes[element])
+        result = np.polynomial.polynomial.polyval(t, self.coefficients[:, element], tensor=False)
+        return np.where((x >= nodes[0]) & (x <= nodes[-1]), result, 0.0)
 
     def integral(self, smooth) -> float:
         """∫ of it times the cubic spline through ``smooth`` (n,) at the nodes."""
