@@ -141,7 +141,7 @@ def test_values_of_a_reference_with_an_error_of_its_own(tmp_path, capsys):
         assert f" {value:.8g} " in screen, name
         assert f"{quantity(summary[name], QUANTITIES[name][1])} {quantity(value, QUANTITIES[name][1])} " in page.text
     computed, error = summary["dissipated_energy"], summary["errors"]["dissipated_energy"]
-    assert abs(computed / (1 + error) / summary["reference_values"]["dissipated_energy"] - 1) > 1e-3
+    assert abs(computed / (1 + error) / summary["reference_values"]["dissipated_energy"] - 1) > 1e-4
     for name, value in summary["differences_values"].items():
         assert quantity(value, QUANTITIES[name][1]) in page.text, name
 
@@ -313,7 +313,7 @@ def test_a_run_that_has_lost_a_file_has_no_page(folder, name):
     """It would look whole."""
     lost = name if name != "a state" else f"fields/{next((folder / 'fields').glob('0*.h5')).name}"
     (folder / lost).unlink()
-    with pytest.raises(SceneError, match=f"^{str(folder)[:10]}.*copy .*: {lost} is missing$"):
+    with pytest.raises(SceneError, match=f": {lost} is missing$"):
         report.main([str(folder)])
     assert not (folder / "report.html").exists()
 
