@@ -58,9 +58,9 @@ class StraightWay:
             of_points=self.of_points + of_points,
         )
 
-    def turned(self) -> "StraightWay":
-        """A new way that starts from the last state."""
-        return StraightWay(self.mu, self.coupled, self.loads[-1:], self.conjugates[-1:])
+    def towards(self, load: Sequence[float]) -> "StraightWay":
+        """The way on which this load comes next: this one, or a new one from its last state where the load turns."""
+        return self if self.goes_on(load) else StraightWay(self.mu, self.coupled, self.loads[-1:], self.conjugates[-1:])
 
     @property
     def work(self) -> float:

@@ -188,21 +188,7 @@ class HalfPlaneContact:
             slip = np.where(solution.stuck, memory.slip(x), reached - reference(x))
             new = StoredField(x, slip, lambda y: position(y) - reference(y))
             slip_field = PiecewiseField.kept_in(stuck, memory.slip, new)
-        moved = memory.position(x) - reached
-        friction = self.mu * solution.sets.slipping * (solution.pressure + memory.pressure(x)) / 2
-        of_points = Interpolant(x, coefficients_of(operator.of_pressure, friction)).integral(moved)
-        conjugates = solution.delta_y, solution.delta_x, float(operator.weight_q @ (solution.traction * x))
-        if normal_stage or memory.way is None:
-            energy = begun = memory.dissipated_energy + of_points
-            way = StraightWay(self.mu, operator.is_coupled, (load,), (conjugates,))
-        else:
-            loss = _loss(memory.traction, memory.position, q, place)
-            if operator.is_coupled:
-                loss += _loss(memory.pressure, memory.gap, p, opening)
-            goes_on = memory.way.goes_on(load)
-            begun = memory.begun if goes_on else memory.dissipated_energy
-            way = (memory.way if goes_on else memory.way.turned()).to(load, conjugates, loss, of_points)
-            energy = max(begun + way.work, memory.dissipated_energy)  # with more states of the way it may be less
+        energy, begun, way = self._worked(memory, operator, solution, load, normal_stage, (p, opening), (q, place))
         state = ContactState(
             P,
             Q,
@@ -233,6 +219,28 @@ class HalfPlaneContact:
             begun,
             memory.directions(load),
         )
+
+    def _worked(self, memory, operator, solution, load, normal_stage, pressed, sheared):
+        """Frictional work so far, that before the present straight way of the loads, and that way.
+
+        pressed, sheared: pressure and traction now, each with where it moves the surface.
+        """
+        (p, opening), (q, place) = pressed, sheared
+        friction = self.mu * solution.sets.slipping * (solution.pressure + memory.pressure(p.nodes)) / 2
+        moved = memory.position(p.nodes) - place.value
+        of_points = Interpolant(p.nodes, coefficients_of(operator.of_pressure, friction)).integral(moved)
+        conjugates = solution.delta_y, solution.delta_x, float(operator.weight_q @ (solution.traction * q.nodes))
+        before = memory.dissipated_energy
+        if normal_stage or memory.way is None:
+            way = StraightWay(self.mu, operator.is_coupled, (load,), (conjugates,))
+            return before + of_points, before + of_points, way
+        loss = _loss(memory.traction, memory.position, q, place)
+        if operator.is_coupled:
+            loss += _loss(memory.pressure, memory.gap, p, opening)
+        start = memory.way.towards(load)
+        begun = memory.begun if start is memory.way else before
+        way = start.to(load, conjugates, loss, of_points)
+        return max(begun + way.work, before), begun, way  # with more states of the way its work may be less
 
     def _friction(self, normal_stage):
         return self.mu if self.friction_in_normal_stage or not normal_stage else 0.0

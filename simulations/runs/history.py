@@ -154,7 +154,7 @@ class History:
         if entry.step.branch == "normal" or not first:
             self._way, share = StraightWay(self.mu, self.coupled, (load,), (conjugates,)), 1.0
         else:
-            way = self._way if self._way.goes_on(load) else self._way.turned()
+            way = self._way.towards(load)
             lost = loss(self.entries[-2].surface, entry.surface, self.coupled)
             self._way = way.to(load, conjugates, lost, entry.surface.line_load(entry.own_work))
             share = self._way.share

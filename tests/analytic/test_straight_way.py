@@ -59,7 +59,8 @@ def test_which_load_goes_straight_on(unit):
         return P * unit, Q * unit, strain
 
     way = way_of(load(1.0, 0.0), load(0.75, 0.1))
-    assert way.goes_on(load(0.5, 0.2)) and way.goes_on(load(0.75, 0.1)) and way.turned().goes_on(load(0.9, 0.3))
+    assert way.goes_on(load(0.5, 0.2)) and way.goes_on(load(0.75, 0.1))
+    assert way.towards(load(0.5, 0.2)) is way and way.towards(load(0.9, 0.3)).goes_on(load(0.9, 0.3))
     assert not way.goes_on(load(0.5, 0.2 + 1e-6)) and not way.goes_on(load(0.5, 0.2, 1e-6))
     assert not way.goes_on(load(0.8, 0.08)) and not way.goes_on(load(0.6, 0.2))
     stretched = way_of(load(1.0, 0.0), load(1.0, 0.1, 1e-4))
