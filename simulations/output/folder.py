@@ -30,7 +30,8 @@ MOVED = Path("/opt/stack/moved.txt")  # of the image: packages whose recorded ve
 FILES = (SCENE, "history.csv", "surface.h5", field_index.XDMF, field_index.VTKHDF, "summary.json", "fretting.png")
 REPORT = "report.html"
 SWEEP = "sweep.jsonl", "sweep.csv"  # of a sweep: finished runs, and their table
-RUN_OF_SWEEP = r"run-\d{4,}"  # name of the folder of one of its scenes
+RUNS, ANY_RUN = "run-{:04d}", "run-[0-9]*"  # folder of one of its scenes by its number, and of any
+RUN = r"run-\d{4,}"  # the names that RUNS makes
 BODY = "body.pdf", "body.png", "body.gif"  # of studies.body_stress
 OTHERS = (lines.NAME, REPORT, *BODY)  # where they are asked for
 FOLDERS = (checkpoint.FOLDER, field_index.FOLDER)
@@ -257,7 +258,7 @@ def _refuse(folder: Path, scene_file: Path | None, overwrite: bool, of_sweep: bo
     if sweep:
         raise SceneError(f"{start}it holds {sweep}, of a sweep; choose another folder")
     place = folder.resolve()
-    if not of_sweep and re.fullmatch(RUN_OF_SWEEP, place.name) and (place.parent / SWEEP[0]).exists():
+    if not of_sweep and re.fullmatch(RUN, place.name) and (place.parent / SWEEP[0]).exists():
         raise SceneError(f"{start}it is a scene's folder of the sweep around it; choose another folder")
     names = [name for name in (*FILES, *OTHERS, checkpoint.FOLDER) if (folder / name).exists()]
     names += [field_index.FOLDER + "/"] if any(True for _ in _state_files(folder)) else []

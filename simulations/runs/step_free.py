@@ -1,8 +1,8 @@
 """Reference of coupled loops: states of the half-plane found directly from the last turn of Q, without load steps."""
 
+from analytic import ContactNotConverged
 from analytic.coupled.loop import ORDER, known, missing
 from analytic.coupled.state import CoupledState
-from analytic import ContactNotConverged
 
 from .comparison import NoReference, OfStates, last_cycle
 from .coupled_loop import loop_of, states_of

@@ -9,13 +9,12 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from ..fem.parallel import on_root
-from ..output.folder import FILES, SWEEP, has_lost_scene, is_whole, locked, refuse_changed, remove_run
+from ..output.folder import ANY_RUN, FILES, SWEEP, has_lost_scene, is_whole, locked, refuse_changed, remove_run
 from ..scene import SceneError, shown
 from .engine import Item
 from .store import Store
 
 KEPT, TABLE = SWEEP
-RUNS, ANY_RUN = "run-{:04d}", "run-[0-9]*"  # folder of a scene by its number, and of any
 
 
 @contextmanager

@@ -18,7 +18,7 @@ import numpy as np
 from mpi4py import MPI
 
 from ..output.files import write_table
-from ..output.folder import begin, claimed, has_lost_scene, is_run_of, refuse_changed
+from ..output.folder import RUNS, begin, claimed, has_lost_scene, is_run_of, refuse_changed
 from ..output.results import Results
 from ..runs import comparison
 from ..runs.estimate import judged
@@ -29,7 +29,7 @@ from ..scene.effects import Effects
 from ..scene.text import read_keys, written
 from .engine import FAILED, Item, Row, run_all
 from .store import Store
-from .sweep_folder import RUNS, taken
+from .sweep_folder import taken
 from .variation import REASON, RESULTS, STATUS, Changes, base_of, check, keys_alone, listed, overrides, product
 
 # Keys that may leave mesh and stiffness as they are, in units of the contact.
