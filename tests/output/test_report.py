@@ -3,25 +3,20 @@
 import json
 import shutil
 from html.parser import HTMLParser
-from math import pi
 from pathlib import Path
-from types import SimpleNamespace
 
 import h5py
 import matplotlib.pyplot as plt
 import pytest
-from mpi4py import MPI
-from running import COARSE, coarse_arguments, csv_rows
+from pictured import along
+from running import coarse_arguments, csv_rows
 
 from simulations import fretting, report
-from simulations.output import page_figures, plots
+from simulations.output import page_figures
 from simulations.output.folder import FILES
 from simulations.output.page_figures import DENSITY, surface
 from simulations.output.page_words import CHECKS, QUANTITIES, asked, quantity
-from simulations.runs.checks import ChecksFailed
-from simulations.runs.simulation import Simulation
 from simulations.scene import SceneError, make_scene
-from simulations.scene.solid import modulus_at
 
 
 class Page(HTMLParser):
@@ -119,14 +114,6 @@ def test_the_density_of_the_energy_is_drawn_where_the_run_has_it(folder):
 POINTS = [[1e6, 0.0]] + 5 * [[1e6, 1e5], [1e6, -1e5]]
 
 
-def along(folder, points, **changes):
-    """Folder of a coarse run along ``points``."""
-    scene = make_scene(dict.fromkeys(("load.P", "load.amplitude", "load.cycles")) | {"load.points": points})
-    (folder / "path.toml").write_text(scene.to_toml())
-    fretting.main([str(folder / "path.toml"), *coarse_arguments(folder / "run", **changes)])
-    return folder / "run"
-
-
 @pytest.fixture(scope="module")
 def path(tmp_path_factory):
     """Folder of a run along ten points after the first, which is compared with nothing."""
@@ -166,104 +153,6 @@ def test_states_of_the_surface(of, names, said, energy, monkeypatch, request):
     assert [text.get_text().split(":")[0] for text in legend.get_texts()] == names
     assert legend.get_title().get_text() == said
     assert any(axis.get_ylabel().startswith(energy) for axis in figure.axes)
-    plt.close(figure)
-
-
-@pytest.mark.parametrize(
-    "names, shown, said",
-    [
-        (["", *map(str, range(1, 12))], ["1", "3", "6", "9", "11"], True),
-        (["", "A", "B", "C", "D", "E", "A"], ["A", "B", "C", "D", "E"], False),
-        (["", "A"], ["A"], False),
-    ],
-    ids=["path", "loop", "one"],
-)
-def test_states_of_the_picture(names, shown, said):
-    """Likewise in fretting.png; of a name that comes twice the last state."""
-    steps = [SimpleNamespace(state=name, Q=0.1 * i, P=1.0) for i, name in enumerate(names)]
-    history = SimpleNamespace(entries=[SimpleNamespace(step=step) for step in steps], friction=True)
-    assert [entry.step.state for entry in plots._states(history)] == shown
-    figure = plt.figure()
-    scene = SimpleNamespace(is_power_law=True)
-    plots._legend(figure, SimpleNamespace(history=history, mu=0.5, scene=scene), {})
-    (legend,) = figure.legends
-    texts = [text.get_text() for text in legend.get_texts()]
-    assert texts[0].startswith(f"{shown[0]}: $Q = {2 * 0.1 * (len(names) - 1 - names[::-1].index(shown[0])):+.2f}")
-    assert ("5 of 11 states shown" in legend.get_title().get_text()) is said
-    plt.close(figure)
-
-
-def test_one_length_and_one_load_in_the_picture(tmp_path, monkeypatch):
-    """Along a path with another P: lengths over one a, loads over the largest P, and no state is cut off."""
-    seen, legend = [], plots._legend
-    monkeypatch.setattr(plots, "_legend", lambda *drawn: seen.append(drawn) or legend(*drawn))
-    along(tmp_path, [[1e6, 0.0], [1e6, 1e5], [3e5, -5e4]], reference__kind='"none"')
-    ((figure, simulation, _),) = seen
-    widest, narrowest = (edge(e.contact[1] for e in simulation.history.entries) for edge in (max, min))
-    assert narrowest < 0.7 * widest
-    panels = [axis for axis in figure.axes if axis.get_xlabel().startswith("position")]
-    length = quantity(make_scene().half_width, "m", 3)
-    assert {axis.get_xlabel() for axis in panels} == {f"position x/a [–]  (1 = {length})"}
-    assert len(panels) == 4 and all(widest < axis.get_xlim()[1] < 1.4 * widest for axis in panels)
-    texts = [text.get_text() for text in figure.legends[0].get_texts()]
-    loads = rf"$1.00\,P$, $Q = {0.1 / 0.3:+.2f}\,\mu P$", rf"$0.30\,P$, $Q = {-0.05 / 0.3:+.2f}\,\mu P$"
-    assert texts[:2] == [f"{state}: {load}" for state, load in enumerate(loads, 1)]
-    assert "the largest normal load" in figure.legends[0].get_title().get_text()
-
-
-SMALL = {"load.amplitude": 0.2, "mesh.edge_facet": 0.005}  # its ticks of w are as wide as 0.0175
-COATED = dict.fromkeys(("solid.k", "solid.y0_over_a0", "load.mu", "load.amplitude", "load.cycles")) | {
-    "solid.modulus": "linear",
-    "solid.E_substrate": 7e10,
-    "solid.thickness": 1e-3,
-    "solid.nu": 0.3,
-}
-
-
-@pytest.mark.parametrize("changes", [SMALL, COATED], ids=["small amplitude", "coated"])
-def test_the_whole_picture_is_within_its_edges(changes, tmp_path, monkeypatch):
-    """And no title lies on a panel's."""
-    drawn = []
-    monkeypatch.setattr(plots, "save", lambda figure, *_: drawn.append(figure))
-    simulation = Simulation(MPI.COMM_SELF, make_scene(COARSE | changes)).run_to_end()
-    plots.plot_run(tmp_path / "none.png", "A long title. " * 12, simulation, {})
-    (figure,) = drawn
-    figure.draw_without_rendering()
-    inside, edges = figure.get_tightbbox(), figure.bbox_inches
-    assert inside.xmin >= edges.xmin and inside.xmax <= edges.xmax
-    assert inside.ymin >= edges.ymin and inside.ymax <= edges.ymax
-    lowest = figure._suptitle.get_window_extent().ymin
-    assert all(axis.title.get_window_extent().ymax < lowest for axis in figure.axes)
-    plt.close(figure)
-
-
-def test_checks_that_fail_are_said_in_the_picture(tmp_path, monkeypatch):
-    """On a line of its own below the title, above all panels."""
-    drawn = []
-    monkeypatch.setattr(plots, "save", lambda figure, *_: drawn.append(figure))
-    monkeypatch.setattr("simulations.runs.checks.PENETRATION", -1.0)
-    with pytest.raises(ChecksFailed):
-        fretting.main([*coarse_arguments(tmp_path), "--quiet"])
-    (figure,) = drawn
-    figure.draw_without_rendering()
-    (line,) = (text for text in figure.texts if text is not figure._suptitle)
-    assert line.get_text() == "checks that fail: gap >= 0" and line.get_color() == plots.RED
-    red, heading = line.get_window_extent(), figure._suptitle.get_window_extent()
-    assert heading.ymin - 1 <= red.ymin and red.height < 0.4 * heading.height
-    assert all(axis.title.get_window_extent().ymax < red.ymin for axis in figure.axes)
-    plt.close(figure)
-
-
-@pytest.mark.parametrize("changes, said", [({}, False), ({"solid__nu": 0.3}, True)], ids=["uncoupled", "coupled"])
-def test_a_panel_with_the_line_of_another_problem_alone_says_so(changes, said, tmp_path, monkeypatch):
-    """Frictional work and loop have no line of the reference with coupling."""
-    drawn = []
-    monkeypatch.setattr(plots, "save", lambda figure, *_: drawn.append(figure))
-    fretting.main([*coarse_arguments(tmp_path, **changes), "--quiet"])
-    (figure,) = drawn
-    assert [("another problem" in axis.get_xlabel()) for axis in figure.axes] == [False] * 3 + [said] * 3
-    labels = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert ("closed form of another problem (no coupling)" in labels) is said
     plt.close(figure)
 
 
@@ -357,16 +246,3 @@ def test_a_scene_in_words(changes, words):
 def test_numbers_with_units():
     assert [quantity(v, "m") for v in (1.04426e-3, 0.0, -2.5e-6, 0.2)] == ["1.0443 mm", "0 m", "−2.5 µm", "200 mm"]
     assert quantity(6.4408e8, "Pa", 4) == "644.1 MPa" and quantity(0.36747, "") == "0.36747"
-
-
-def test_the_unit_of_length_of_a_coated_contact_is_told(tmp_path, monkeypatch):
-    """It is the half-width of a contact on the modulus at that depth, and not on that of the surface."""
-    drawn = []
-    monkeypatch.setattr(plots, "save", lambda figure, *_: drawn.append(figure))
-    simulation = Simulation(MPI.COMM_SELF, make_scene(COARSE | COATED)).run_to_end()
-    plots.plot_run(tmp_path / "none.png", "", simulation, {})
-    scene = simulation.scene
-    a, E = scene.half_width, modulus_at(scene.material, scene.half_width)
-    assert a == pytest.approx((4 * (1 - 0.3**2) * scene.P * 0.1 / (pi * E)) ** 0.5, rel=1e-5)
-    assert a > 1.05 * scene.a0(scene.P)
-    assert "constant modulus $E(a)$" in drawn[0].legends[0].get_title().get_text()
