@@ -9,10 +9,12 @@ from .command.stopping import stopping
 from .output import checkpoint
 from .output.folder import begin, claimed, files, go_on, lost_table, refuse_changed
 from .output.results import Results
+from .output.table import table
 from .runs.checks import ChecksFailed
-from .runs.estimate import expectation
+from .runs.estimate import expectation, judged
 from .runs.explain import explain
 from .runs.reference import expected_seconds
+from .runs.report_data import find
 from .runs.simulation import Simulation
 from .runs.timing import Stopwatch
 from .scene import DEFAULT_SCENE, SceneError
@@ -79,16 +81,20 @@ def go(simulation: Simulation, folder, progress: Progress, again: str):
     progress.begin(simulation, expected_seconds(simulation))
     if simulation.history.entries:
         progress.say(f"going on after increment {len(simulation.history.entries)}/{progress.total}")
-    with Results(folder, simulation, again, progress.reference) as results:
+    with Results(folder, simulation, again) as results:
         stopping.tell(f"go on with {again}", results.keep)
         for entry in simulation.run():
             results.record(entry)
             progress.step(entry)
-    unjudged = "" if simulation.scene.solver.accuracy is None else ", but its accuracy is not judged"
-    stopping.tell(f"the run is done{unjudged}: {folder}")
-    results.judge_accuracy(progress.say)
-    if comm.rank == 0:
-        progress.say(f"\n{results.table()}")
+        results.write_tables()
+        findings = find(simulation, progress.reference) if comm.rank == 0 else None
+        results.end(findings)
+    if simulation.scene.solver.accuracy is not None:
+        stopping.tell(f"the run is done, but its accuracy is not judged: {folder}")
+        results.judge(*judged(simulation, findings.exact if findings else None, progress.say))
+    stopping.tell(f"the run is done: {folder}")
+    if findings:
+        progress.say(f"\n{table(findings, simulation.history.has_cycle)}")
         seconds = "  ".join(f"{phase} {value:.1f} s" for phase, value in results.summary["seconds"].items())
         progress.say(f"{results.summary['newton_iterations']} Newton iterations;  {seconds}")
         progress.say(f"written to {folder}: {', '.join(files(folder))}")

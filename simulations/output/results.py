@@ -10,9 +10,7 @@ import numpy as np
 
 from ..runs import report_data
 from ..runs.checks import Check, describe, hold
-from ..runs.estimate import judged
 from ..runs.history import Entry
-from ..runs.reference import Tell
 from ..runs.simulation import Simulation
 from . import checkpoint
 from . import files as output
@@ -20,7 +18,6 @@ from .checkpoint import Checkpoint
 from .fields import FieldWriter
 from .folder import versions
 from .plots import plot_run
-from .table import table
 
 LONGEST_WRITE = 1.0  # s that a run which is stopped waits for a file that is being written
 NOT_JUDGED = "the accuracy was not judged, as the run was stopped at its end: --overwrite starts again"
@@ -30,18 +27,18 @@ EVERY = 10.0  # seconds between two versions of the tables while the run goes on
 class Results:
     """Writes what a Simulation yields into ``folder``. Every rank calls every method; rank 0 writes.
 
-    again: the command that goes on with the run if it stops; tell: hears of the reference's increments. At the end
-    rank 0 has the run's ``findings`` and ``summary``, and every rank ``failing``: which checks do not hold, or "".
+    again: the command that goes on with the run if it stops. At the end rank 0 has the run's ``summary``, and every
+    rank ``failing``: which checks do not hold, or "".
     """
 
-    def __init__(self, folder: Path, simulation: Simulation, again: str = "", tell: Tell | None = None):
-        self.folder, self.simulation, self._tell = folder, simulation, tell
+    def __init__(self, folder: Path, simulation: Simulation, again: str = ""):
+        self.folder, self.simulation = folder, simulation
         self._again = again or f"--resume {shlex.quote(str(folder))}"
         self.scales = simulation.scaled.scales
         self.comm = simulation.body.mesh.comm
         self.summary: dict = {}
-        self.findings: report_data.Findings | None = None
         self.failing = ""
+        self._findings: report_data.Findings | None = None  # on rank 0, at the end
         scene = simulation.scene
         self._fields = FieldWriter(
             folder, simulation.numbering, simulation.scaled, simulation.schedule, scene.output, scene.solid.nu
@@ -80,11 +77,6 @@ class Results:
             self.summary = report_data.summary(self.simulation, None, failure) | {"versions": versions()}
             output.write_summary(self.folder / "summary.json", self.summary)
 
-    def table(self) -> str:
-        """The results beside the reference, for reading. On rank 0."""
-        assert self.findings is not None  # after the end
-        return table(self.findings, self.simulation.history.has_cycle)
-
     def _everywhere(self, write: Callable[[], None]):
         """``write``, in which rank 0 may fail: OutputError on every rank."""
         failure = None
@@ -97,6 +89,10 @@ class Results:
         if failure:
             raise output.OutputError(failure)
 
+    def _on_root(self, write: Callable[[], None]):
+        """The same of what rank 0 alone writes."""
+        self._everywhere(write if self.comm.rank == 0 else lambda: None)
+
     def _write_tables(self):
         history = self.simulation.history
         times, height = self._fields.times, self.simulation.scaled.indenter.height
@@ -105,55 +101,56 @@ class Results:
         self._fields.write_series(len(history.entries))
         self._written = time.monotonic()
 
-    def __exit__(self, kind, error, trace):
-        """Write what there is, after a failure too; then ranks may not be in step, and rank 0 does what it can."""
-        if kind is None:
-            self._everywhere(self._finish)
-            self.failing = self.comm.bcast(self.failing)
-        elif self.comm.rank == 0:
-            self._write_failed((str(error) or kind.__name__).splitlines()[0])
+    def write_tables(self):
+        """The tables of what was recorded."""
+        with self.simulation.watch("output"):
+            self._on_root(self._write_tables)
 
-    def _finish(self):
-        """The tables, the comparison and the picture, after which there is nothing left to go on with."""
-        if self.comm.rank == 0:
-            simulation = self.simulation
-            with simulation.watch("output"):
-                self._write_tables()
-            self.findings = report_data.find(simulation, self._tell)
-            if simulation.scene.solver.accuracy is not None:  # until it is judged, which may take as long as the run
-                self.findings.checks["accuracy"] = Check(np.nan, simulation.scene.solver.accuracy, NOT_JUDGED)
-            with simulation.watch("files"):
+    def end(self, findings: report_data.Findings | None):
+        """Summary and picture of a run at its end, after which there is nothing left to go on with.
+
+        findings: of rank 0. Where ``solver.accuracy`` is given, they do not hold until ``judge`` is called.
+        """
+        self._findings = findings
+        wanted = self.simulation.scene.solver.accuracy
+        if findings and wanted is not None:  # judging may take as long as the run
+            findings.checks["accuracy"] = Check(np.nan, wanted, NOT_JUDGED)
+
+        def write():
+            with self.simulation.watch("files"):
                 self._plot()
             self._write_summary()
             checkpoint.remove(self.folder)
 
-    def judge_accuracy(self, tell: Callable[[str], None] = lambda words: None):
-        """One more check of a run that has ended where ``solver.accuracy`` is given: its errors, measured or else
-        estimated, against that. Collective. tell: called with words.
-        """
-        if self.simulation.scene.solver.accuracy is None:
-            return
-        check, accuracy = judged(self.simulation, self.findings.exact if self.findings else None, tell)
-
-        def write():
-            if self.findings:
-                self.findings.checks["accuracy"] = check
-                if not check.holds:  # which the picture is to say
-                    self._plot()
-                self._write_summary(accuracy=accuracy)
-
-        self._everywhere(write)
+        self._on_root(write)
         self.failing = self.comm.bcast(self.failing)
 
+    def judge(self, check: Check, accuracy: dict):
+        """After the end: the check of the errors against ``solver.accuracy``, and what summary.json says of it."""
+
+        def write():
+            self._findings.checks["accuracy"] = check
+            if not check.holds:  # which the picture is to say
+                self._plot()
+            self._write_summary(accuracy=accuracy)
+
+        self._on_root(write)
+        self.failing = self.comm.bcast(self.failing)
+
+    def __exit__(self, kind, error, trace):
+        """After a failure write what there is; then ranks may not be in step, and rank 0 does what it can."""
+        if kind is not None and self.comm.rank == 0:
+            self._write_failed((str(error) or kind.__name__).splitlines()[0])
+
     def _write_summary(self, **more):
-        assert self.findings is not None  # after the end
-        found = self.findings.checks
+        assert self._findings is not None  # after the end
+        found = self._findings.checks
         self.failing = "" if hold(found) else describe(found)
-        self.summary = report_data.summary(self.simulation, self.findings) | {"versions": versions()} | more
+        self.summary = report_data.summary(self.simulation, self._findings) | {"versions": versions()} | more
         output.write_summary(self.folder / "summary.json", self.summary)
 
     def _plot(self):
-        findings = self.findings
+        findings = self._findings
         lines = {findings.exact.other.name: findings.exact.other} if findings.exact else {}
         if findings.neglecting:
             label = f"closed form of another problem (no {', no '.join(findings.neglecting.without)})"

@@ -1,34 +1,24 @@
 """Limits of the method, named before anything is solved: SceneError with the key and a value that would do.
 
-Where a run is of use beyond a limit, ``warnings_of`` has it in words.
-
 Every limit is measured (docs/stability.md). All lengths are in contact half-widths.
 """
 
 from collections.abc import Sequence
 from math import ceil, expm1, inf, log, log10, sqrt
 
-import numpy as np
-
-from analytic import FrettingLoop, PowerProfile, PressingWithFriction, normal_contact
+from analytic import FrettingLoop
 
 from ..fem.contact_problem import ContactProblem
 from ..fem.mesh import Grading
 from ..loading.schedule import LoadStep
 from ..scene import Scene, SceneError, rounded, shown
 from ..scene.output import NORMAL
-from ..scene.scaling import Scaled
-from ..scene.steepness import steepness_warning
 from ..scene.tables import ExponentialCoating, LinearCoating, PowerLawCoating
 from ..solvers.newton import ATTAINABLE, FORCE_TOLERANCE, OVER_ROUND_OFF
 
 MOST_UNKNOWNS = 1_000_000  # some minutes, and 3 GB in the factorisation
 MOST_MATRIX = 4.0  # GB in the dense matrices of the condensed method
 NARROWEST = 3.0  # slip zone over edge_facet: there the energy is off by 5 %, with 1 by 30 %, with 0.2 by 180 %
-LONG_ELASTIC_SLIP = 0.1  # over mu P/E(a)
-NARROWEST_STICK = 5.0  # c over edge_facet: there c is off by 3 %, with 4 by 20 %, with 1 it is lost
-NARROWEST_PEAK = 20.0  # c of pressing with friction over the distance of nodes: the peak is 5 % low at 11
-BLUNTED = 0.01  # of the peak under a sharp tip, by which the mean over the distance of nodes may be lower
 MOST_AT_ENDS = 0.1  # estimated relative error of the traction from its steep ends alone
 LOWEST = 0.05  # the first layer's lowest Gauss point, over its height: 0.07 and more
 LOWEST_EXPONENT = -300.0  # decimal logarithm of the smallest ordinary number is -307.7
@@ -36,7 +26,6 @@ LEAST_SLIP_LOAD = 1e-7  # Q²/(mu P²): there the tolerance of loads changes the
 MOST_FRICTION = 1 - 1e-9  # |Q|/(mu P): nearer to 1 what sticks carries less than that tolerance, and slides away
 STABLE_GAMMA0 = 0.3  # below it the active set cycles (0.2 at k = 0) or fails (0.1 at k = 0.3), unless theta = -1
 STIFFEST = -0.9  # k, below which pressing alone may fail
-SAMPLES = 4001  # of a formula, up to the end of the domain
 
 
 def check_parameters(scene: Scene):
@@ -146,89 +135,6 @@ def check_resolution(scene: Scene, cells: Grading, loop: FrettingLoop | None):
             f"about {expected_error(scene.k, size):.0%}; {rounded(needed):g} or less keeps that below "
             f"{MOST_AT_ENDS:.0%}"
         )
-
-
-def warnings_of(scene: Scene, cells: Grading, loop: FrettingLoop | None, scaled: Scaled) -> list[str]:
-    """What theory or mesh show badly though the run is possible, in words.
-
-    It may be a steep indenter, one that falls again, edges that were not found, a long elastic slip or a narrow stick
-    zone. The last spoils no more than c: p, q and energy do not feel it.
-    """
-    found, facet = [steepness_warning(scene.half_width, scene.indenter)], min(cells.edge_facet, cells.facet)
-    found.append(_touches_again(scene, cells, scaled))
-    if cells.unknown:
-        found.append(f"the mesh is fine at x = a and -a only, as the edges were not found before: {cells.unknown}")
-    if loop is not None and loop.c < NARROWEST_STICK * facet:
-        found.append(
-            f"mesh.edge_facet = {cells.edge_facet:g} is too coarse for c/a: the stick half-width is {loop.c:.2g} a at "
-            f"load.amplitude = {scene.load.amplitude} and needs {rounded(loop.c / NARROWEST_STICK):g} or less"
-        )
-    soft = scaled.elastic_compliance(scene) / 2
-    if soft > LONG_ELASTIC_SLIP:
-        found.append(
-            f"effects.elastic_slip = {scene.effects.elastic_slip:g} m is {soft:.2g} mu P/E(a), which is long: at 0.1 "
-            "the energy of a cycle with load.amplitude = 0.9 is 4 % too large, at 0.3 16 %, with small amplitudes more"
-        )
-    return [words for words in found if words]
-
-
-def hidden_peak(pressing: PressingWithFriction | None, spacing: float, scaled: Scaled) -> str:
-    """What to say of a peak of pressure at x = 0, in a narrow stick zone or none, that nodes ``spacing`` a apart miss.
-
-    Friction from first contact makes it: slip from both sides meets there. "" where the nodes show it.
-    """
-    if pressing is None or pressing.stick_half_width > NARROWEST_PEAK * spacing:
-        return ""
-    zone, peak = "where every point slips", "infinite"
-    if pressing.stick_ratio:
-        zone = f"in a stick zone of half-width {pressing.stick_half_width:.2g} a"
-        peak = f"{pressing.pressure(0.0) * scaled.scales.stress:.3g} Pa"
-    return (
-        f"the pressure peaks at x = 0, {zone}, and nodes are {spacing:.2g} a apart there: the exact peak after "
-        f"pressing is {peak}, the one of this mesh is lower, and it is not compared"
-    )
-
-
-def hidden_tip(spacing: float, scaled: Scaled) -> str:
-    """What to say of the pressure under a tip f ~ |x|^order, sharper than a parabola, that nodes ``spacing`` a apart
-    miss.
-
-    There p falls from its peak like |x|^(order+k-1), from an infinite one for order + k <= 1. "" where the nodes show
-    it.
-    """
-    order = scaled.indenter.order
-    if order >= 2.0:
-        return ""
-    tip = normal_contact(scaled.solid, PowerProfile(1.0, order), 1.0)
-    length = spacing * tip.a
-    if tip.pressure_within(length / 2) / length > (1 - BLUNTED) * tip.pressure(0.0):
-        return ""
-    peak = "not known"
-    if scaled.contact is not None:
-        exact = float(scaled.contact.pressure(0.0)) * scaled.scales.stress
-        peak = f"{exact:.3g} Pa" if exact < inf else "infinite"
-    return (
-        f"the pressure peaks at x = 0, under a tip f ~ |x|^{order:g}, and nodes are {spacing:.2g} a apart there: the "
-        f"exact peak under the largest load without coupling is {peak}, the one of this mesh is lower, and it is not "
-        "compared"
-    )
-
-
-def _touches_again(scene: Scene, cells: Grading, scaled: Scaled) -> str:
-    """Where a formula falls again beside the surface on which contact is looked for; "" where it does not."""
-    if scene.indenter.profile != "formula":
-        return ""
-    x = np.linspace(cells.strip, cells.extent, SAMPLES)
-    with np.errstate(all="ignore"):
-        height = scaled.indenter.height(x)
-    falls = height < height[0]
-    if not falls.any():
-        return ""
-    at, reach = x[np.argmax(falls)] * scaled.scales.length, cells.strip * scaled.scales.length
-    return (
-        f"indenter.formula falls again: at x = {at:.3g} m it is below its value at {reach:.3g} m, up to which contact "
-        "is looked for; what may touch there is left out"
-    )
 
 
 def expected_error(k: float, size: float) -> float:

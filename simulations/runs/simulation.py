@@ -24,7 +24,7 @@ from ..solvers.condensed.surface_compliance import SurfaceCompliance
 from ..solvers.condensed.system import CondensedSystem
 from ..solvers.full import FullSystem
 from ..solvers.newton import FORCE_TOLERANCE
-from . import freeing, limits
+from . import freeing, limits, warnings
 from .checks import ZIGZAGS, largest_zigzag
 from .critical_friction import why_no_answer
 from .history import Entry, History
@@ -99,7 +99,7 @@ class Simulation(Plan):
     @property
     def warnings(self) -> list[str]:
         """What theory or mesh show badly, one line each."""
-        found = limits.warnings_of(self.scene, self.cells, self.loop, self.scaled)
+        found = warnings.warnings_of(self.scene, self.cells, self.loop, self.scaled)
         return [*found, self.hidden_peak] if self.hidden_peak else found
 
     @cached_property
@@ -108,8 +108,8 @@ class Simulation(Plan):
         x, _ = self.ordinates
         middle = np.searchsorted(x, 0.0)
         spacing = float(x[middle + 1] - x[middle]) / self.scene.mesh.degree
-        peak = limits.hidden_peak(self.pressing_with_friction, spacing, self.scaled)
-        return peak or limits.hidden_tip(spacing, self.scaled)
+        peak = warnings.hidden_peak(self.pressing_with_friction, spacing, self.scaled)
+        return peak or warnings.hidden_tip(spacing, self.scaled)
 
     def _first_half_width(self) -> float:
         """Of the frictionless contact under the first load; of a coating not more than a, nearly."""

@@ -152,9 +152,11 @@ def run_scene(values: Row) -> Row:
             with Results(folder, simulation) as results:
                 for entry in simulation.run():
                     results.record(entry)
-            findings = results.findings  # its reference may take long to solve
-            assert findings is not None  # of a run that reached its end
-            results.judge_accuracy()
+                results.write_tables()
+                findings = find(simulation)
+                results.end(findings)
+            if scene.solver.accuracy is not None:
+                results.judge(*judged(simulation, findings.exact))
     else:
         findings = find(simulation.run_to_end())
         if scene.solver.accuracy is not None:

@@ -66,7 +66,7 @@ def test_an_accuracy_that_was_not_judged_does_not_hold(tmp_path, monkeypatch):
     def stop(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("simulations.output.results.Results.judge_accuracy", stop)
+    monkeypatch.setattr(fretting, "judged", stop)
     short = ["--set", "load.cycles=0", "--set", "solver.increments=1"]
     with pytest.raises(KeyboardInterrupt):
         fretting.main(["--accuracy", "1e-2", *short, "--output", str(tmp_path / "run"), "--quiet"])

@@ -12,10 +12,10 @@ from simulations import Simulation, make_scene, parse, run
 from simulations.runs import expected_edges
 from simulations.runs.comparison import compare, compare_all
 from simulations.runs.explain import explain
-from simulations.runs.limits import NARROWEST_STICK
 from simulations.runs.mesh_free import MeshFree
 from simulations.runs.reference import closed_form, of_same_physics
 from simulations.runs.report_data import compared, summary
+from simulations.runs.warnings import NARROWEST_STICK
 from simulations.scene import DEFAULT_SCENE, SceneError
 from simulations.scene.steepness import SMALL, edge_slope
 from simulations.studies.sweeping import sweep
