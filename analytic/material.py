@@ -1,4 +1,4 @@
-"""Elastic half-plane with a power law of Young's modulus in depth: equations (1)-(4), (37)."""
+"""Elastic half-plane with a power law of Young's modulus in depth: equations (1)-(4), (37), and d of [X6]."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -84,6 +84,14 @@ class GradedHalfPlane:
         if self.k == 0:
             raise ValueError(f"k = 0: {name} has a pole there; use {name}k, which is finite")
         return self.k
+
+    @cached_property
+    def d(self):
+        """Coupling parameter d of [X6]: zero at the Holl ratio, -(1-2 nu)(1+nu)/2 for k = 0."""
+        k, nu, beta = self.k, self.nu, self.beta
+        # cos(beta pi/2)/k with (beta-1)/k = (1-(2+k)nu)/((1-nu)(1+beta)), whose pole at k = 0 cancels
+        offset = (1 - (2 + k) * nu) * (1 + nu) / (1 + beta)
+        return float(-self.C * pi / 2 * np.sinc((beta - 1) / 2) * offset)
 
     @property
     def alpha(self):

@@ -15,7 +15,6 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from .checks import require
-from .half_plane.surface_kernel import PowerLawKernel
 from .material import GradedHalfPlane
 from .profile import PowerProfile
 from .punch_fields import PunchFields
@@ -121,12 +120,12 @@ class PressingWithFriction:
     @property
     def _drag(self):
         """Sign of d, by which the pressure moves the surface outward (1), inward (-1), or not at all."""
-        return np.sign(PowerLawKernel(self.solid).d)
+        return np.sign(self.solid.d)
 
     @property
     def _fields(self):
         solid = self.solid
-        medium = Medium(solid.k, solid.bk, solid.gk, -abs(PowerLawKernel(solid).d), self.mu)
+        medium = Medium(solid.k, solid.bk, solid.gk, -abs(solid.d), self.mu)
         return _fields(medium, self.terms)
 
 

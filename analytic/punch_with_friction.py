@@ -8,12 +8,13 @@ they stick; that fixes c, which therefore depends on k, nu and mu alone (Mossako
 
 from dataclasses import dataclass, replace
 from functools import cache, cached_property, lru_cache
-from math import atan2, ceil, exp, log, pi, tan
+from math import ceil, exp, log, pi
 
 import numpy as np
 from scipy.optimize import brentq
 from scipy.special import ellipkm1
 
+from .edge_exponents import edge_exponent
 from .singular_panels import SingularPanels
 
 TERMS, COARSE = 10, 8  # of the polynomial on a panel; for the first guess
@@ -39,12 +40,11 @@ class Medium:
         """Power of the distance from an edge in a singular solution, in (-1, 0); in (0, 1) for sign 1 and k > 0, or
         sign -1 and k < 0, where friction is so strong that mu |d k| > (bk): there it is not singular.
 
-        Kernel (bk)|z|^-k/k - e sgn(z)|z|^-k on a half-line, e = mu d: sign 1, the pressure at the edge of the contact,
-        where q = mu p; sign -1: mu p - q at the edge of stick. Without coupling it is (k-1)/2.
+        One less than ``edge_exponent``. sign 1: of p at the edge of the contact, where q = mu p; sign -1: of mu p - q
+        at the edge of stick. Without coupling it is (k-1)/2.
         """
-        k, e, half = self.k, sign * self.mu * self.d, pi * self.k / 2
-        cotangent = k / tan(half) if k else 2 / pi
-        return atan2(-self.bk - e * k, self.bk * tan(half) - e * cotangent) / pi
+        power = edge_exponent(self, sign * self.mu) - 1
+        return power if power > -1 else power + 2  # a solution too: both turn the same way
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,7 @@ from math import sqrt
 
 import numpy as np
 
-from .coupled.exponents import oscillation
-from .half_plane.surface_kernel import PowerLawKernel
+from .edge_exponents import oscillation
 from .material import GradedHalfPlane
 
 LARGEST_ANGLE = 1.4  # of theta: a larger one belongs to points so near to the old edge that they hardly move
@@ -30,9 +29,8 @@ class StuckEdge:
 
     @cached_property
     def oscillation(self) -> float:
-        """epsilon, see ``coupled.exponents.oscillation``."""
-        solid = self.solid
-        return oscillation(solid.k, solid.bk, solid.gk, PowerLawKernel(solid).d)
+        """epsilon, see ``edge_exponents.oscillation``."""
+        return oscillation(self.solid)
 
     @property
     def power(self) -> float:

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .exponents import hilbert_factors
+from ..edge_exponents import edge_exponents, hilbert_factors, hilbert_ratio
 from .rule import ContactRule
 from .stick import COARSE, StickBasis
 from .tractions import SlipState
@@ -37,11 +37,11 @@ def solve(base, friction, edges, layout, Q) -> Solution:
     k, d = problem.k, problem.d
     x_l, c_l, c_r, x_r = edges
     contact = ContactInterval(problem, f, x_l, x_r)
-    stick = StickBasis(c_l, c_r, layout, problem.exponents(f)[1:3], problem.order, k)
+    stick = StickBasis(c_l, c_r, layout, edge_exponents(problem, f)[1:3], problem.order, k)
     x, n = stick.points, stick.size
-    alpha, beta = hilbert_factors(k, problem.bk, d, f)
+    alpha, beta = hilbert_factors(problem, f)
     chi = d * (1 + f**2 * problem.gk / problem.bk)
-    of_even = -(problem.gk + chi * beta * problem.tau)
+    of_even = -(problem.gk + chi * beta * hilbert_ratio(k))
     of_odd = chi * alpha - f * d * problem.gk / problem.bk
     rule = ContactRule(contact, (c_l, c_r), k)
     D, b = contact.profile()

@@ -4,8 +4,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from ..checks import ContactNotConverged
-from ..half_plane.surface_kernel import PowerLawKernel
-from .exponents import edge_exponents, hilbert_ratio
 
 
 @dataclass(frozen=True)
@@ -30,15 +28,6 @@ class Problem:
         """u_x and u_y from the integrals of R and O over p and q, [X6]."""
         return self.gk * even_q + self.d * odd_p, self.bk * even_p - self.d * odd_q
 
-    def exponents(self, friction):
-        """``edge_exponents``."""
-        return edge_exponents(self.k, self.bk, self.d, friction)
-
-    @property
-    def tau(self):
-        """O is tau times the Hilbert transform of R."""
-        return hilbert_ratio(self.k)
-
 
 def problem_of(solid, profile, P, mu, coupling, order, a):
     """The problem under P with the half-width ``a``; ContactNotConverged for a profile that is no even power."""
@@ -50,7 +39,7 @@ def problem_of(solid, profile, P, mu, coupling, order, a):
         k=solid.k,
         bk=solid.bk,
         gk=solid.gk,
-        d=PowerLawKernel(solid).d if coupling else 0.0,
+        d=solid.d if coupling else 0.0,
         mu=mu,
         height=lambda x: profile.height(a * x) / unit,
         slope=lambda x: slope * x ** (profile.m - 1),

@@ -8,6 +8,7 @@ from numpy.polynomial import Chebyshev
 from numpy.polynomial.chebyshev import chebdiv
 from scipy.special import beta, eval_jacobi, roots_jacobi
 
+from ..edge_exponents import edge_exponents
 from .panels import Panels
 
 NEAR_RATIO, FAR_RATIO = 0.35, 0.1  # of panels towards an edge, as far as points of stick are, and from there on
@@ -24,7 +25,7 @@ class ContactInterval:
     def __init__(self, problem, friction, x_l, x_r):
         self.problem, self.x_l, self.x_r = problem, x_l, x_r
         self.middle, self.half = (x_l + x_r) / 2, (x_r - x_l) / 2
-        self.left, *_, self.right = problem.exponents(friction)
+        self.left, *_, self.right = edge_exponents(problem, friction)
         self.friction = friction
 
     def local(self, x):

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.polynomial import Chebyshev
 from scipy.special import digamma, loggamma
 
+from ..edge_exponents import oscillation
 from .branch import Branch
-from .exponents import oscillation
 from .panels import gauss
 from .pressed import PressedWithFriction
 
@@ -82,14 +82,13 @@ def stick_compliance(problem, half):
 
     The contact of half-width ``half`` sticks everywhere then.
     With D = d/sqrt(bk gk) the rates phi = sqrt(bk/gk) dp/dQ + i dq/dQ make R*phi + i D O*phi constant. As with friction
-    (``exponents.edge_exponent``), which is imaginary here, phi is i C (1+t)^(e-1) (1-t)^(conj(e)-1), with
-    e = (1+k)/2 + i epsilon (``exponents.oscillation``); C from the integral of phi. delta_x is u_x at the right edge,
-    where the integrals are beta functions: with s = e^(kG) = (2 half)^-k Γ(1+k) Γ(conj(e)-k)/Γ(conj(e)) it is
-    gk [(Re s - 1)/k - D Im s].
+    (``edge_exponent``), which is imaginary here, phi is i C (1+t)^(e-1) (1-t)^(conj(e)-1), with e = (1+k)/2 + i epsilon
+    (``oscillation``); C from the integral of phi. delta_x is u_x at the right edge, where the integrals are beta
+    functions: with s = e^(kG) = (2 half)^-k Γ(1+k) Γ(conj(e)-k)/Γ(conj(e)) it is gk [(Re s - 1)/k - D Im s].
     """
     k = problem.k
     D = problem.d / np.sqrt(problem.bk * problem.gk)
-    conjugate = (1 + k) / 2 - 1j * oscillation(k, problem.bk, problem.gk, problem.d)
+    conjugate = (1 + k) / 2 - 1j * oscillation(problem)
     if abs(k) < SMALL_K:
         t, weight = gauss(NODES)
         G = (weight / 2) @ (digamma(1 + k * (1 + t) / 2) - digamma(conjugate - k * (1 + t) / 2))

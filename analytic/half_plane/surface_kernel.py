@@ -50,18 +50,10 @@ class PowerLawKernel:
         return self.solid.k
 
     @cached_property
-    def d(self):
-        """Coupling parameter d of [X6]: zero at the Holl ratio, -(1-2 nu)(1+nu)/2 for k = 0."""
-        k, nu, beta = self.solid.k, self.solid.nu, self.solid.beta
-        # cos(beta pi/2)/k with (beta-1)/k = (1-(2+k)nu)/((1-nu)(1+beta)), whose pole at k = 0 cancels
-        offset = (1 - (2 + k) * nu) * (1 + nu) / (1 + beta)
-        return float(-self.solid.C * pi / 2 * np.sinc((beta - 1) / 2) * offset)
-
-    @cached_property
     def _factors(self):
         """y0^k/E0 times (bk), (gk) and d, for distances in units of y0: [1/stress]."""
         solid = self.solid
-        return np.array([solid.bk, solid.gk, self.d]) / solid.E0
+        return np.array([solid.bk, solid.gk, solid.d]) / solid.E0
 
     def values(self, z):
         """N, T and D at distance z > 0 [1/stress], shape (3, *z.shape); (2), [X6]."""
@@ -105,6 +97,6 @@ class PowerLawKernel:
             [
                 decay * even * solid.gk,
                 decay * even * solid.bk,
-                -2j * decay * cos(k * pi / 2) * self.d,
+                -2j * decay * cos(k * pi / 2) * solid.d,
             ]
         )

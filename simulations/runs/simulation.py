@@ -7,8 +7,8 @@ from functools import cached_property, partial
 import numpy as np
 from mpi4py import MPI
 
-from analytic import GradedHalfPlane, PowerLawKernel, PressingWithFriction, normal_contact, point_force_displacement
-from analytic.coupled.exponents import edge_exponents
+from analytic import GradedHalfPlane, PressingWithFriction, normal_contact, point_force_displacement
+from analytic.edge_exponents import edge_exponents
 from forms.contact import X, Y
 
 from ..fem.body import ElasticBody
@@ -220,7 +220,7 @@ class Simulation(Plan):
         if "coupling" not in self.effects:
             return None
         solid = replace(self.scaled.solid, k=k)
-        return partial(edge_exponents, solid.k, solid.bk, PowerLawKernel(solid).d)
+        return partial(edge_exponents, solid)
 
     def _far_field(self):
         """Displacement of line loads: far away a coating is not seen."""

@@ -10,7 +10,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from scipy.interpolate import RectBivariateSpline
 
-from analytic import GradedHalfPlane, HalfPlaneContact, PowerLawKernel, PowerProfile
+from analytic import GradedHalfPlane, HalfPlaneContact, PowerProfile
 
 from ..command.command import comm, on_root, run, say
 from ..output.files import write_table
@@ -93,7 +93,7 @@ def _interpolated(rows, name, mu, k, nu, fine_k, fine_nu):
 
     def strength(a, b):
         solid = GradedHalfPlane(1.0, b, a, 1.0)
-        return abs(PowerLawKernel(solid).d / solid.bk) ** ORDER[name]
+        return abs(solid.d / solid.bk) ** ORDER[name]
 
     ratio = np.array([[rows[_point(a, b, mu)][name] / (strength(a, b) or np.nan) for b in nu] for a in k])
     ratio[np.array([[strength(a, b) for b in nu] for a in k]) < NOISE] = np.nan

@@ -9,7 +9,7 @@ import pytest
 
 from analytic import ContactNotConverged, CylinderContact, GradedHalfPlane, PowerProfile, Profile, ProfileContact
 from analytic.coupled import CoupledLoop
-from analytic.coupled.exponents import edge_exponent
+from analytic.edge_exponents import edge_exponent, hilbert_ratio
 from analytic.coupled.linear import solve
 from analytic.coupled.loop import branches_of
 from analytic.coupled.panels import Panels, graded
@@ -17,6 +17,7 @@ from analytic.coupled.pressed import NormalStage
 from analytic.coupled.stick import layout
 from analytic.coupled.work import stick_compliance
 from analytic.half_plane.solver import HalfPlaneContact
+from analytic.punch_with_friction import Medium
 
 MU, R, P = 0.3, 2.0, 1.5
 PROFILE = PowerProfile(1 / (2 * R), 2.0)
@@ -200,7 +201,7 @@ def test_compliance_of_full_stick(k, nu):
     problem, half = NormalStage(solid_of(k, nu), PROFILE, P, MU, True, 8).problem, 1.3
     panels = Panels.between(graded(-1.0, 1.0, 14, 14))
     D = problem.d / np.sqrt(problem.bk * problem.gk)
-    turning = np.arctanh(problem.tau * D) / np.pi * np.log((1 + panels.nodes) / (1 - panels.nodes))
+    turning = np.arctanh(hilbert_ratio(problem.k) * D) / np.pi * np.log((1 + panels.nodes) / (1 - panels.nodes))
     root = ((1 + panels.nodes) * (1 - panels.nodes)) ** ((k - 1) / 2)
     q, p = root * np.cos(turning), root * np.sin(turning) * np.sqrt(problem.gk / problem.bk)
     p, q = p / (half * panels.weights @ q), q / (half * panels.weights @ q)
@@ -315,5 +316,6 @@ def test_kernels_over_panels(k):
 
 def test_exponents():
     """(1+k)/2 without friction, and the half-plane of constant modulus: cot(pi exponent) = 2 mu d/(pi b k)."""
-    assert edge_exponent(0.3, 0.5, -0.2, 0.0) == pytest.approx(0.65)
-    assert 1 / np.tan(np.pi * edge_exponent(0.0, 0.6, -0.2, 0.5)) == pytest.approx(-2 * 0.5 * 0.2 / (np.pi * 0.6))
+    assert edge_exponent(Medium(0.3, 0.5, 0.5, -0.2, 0.0), 0.0) == pytest.approx(0.65)
+    homogeneous = edge_exponent(Medium(0.0, 0.6, 0.6, -0.2, 0.5), 0.5)
+    assert 1 / np.tan(np.pi * homogeneous) == pytest.approx(-2 * 0.5 * 0.2 / (np.pi * 0.6))

@@ -87,7 +87,7 @@ def test_coupling_as_far_as_is_asked(modulus, k, nu, thickness):
     t = np.linspace(np.log(omega[0]), np.log(omega[-1]), 100001)
     expected = -(t[1] - t[0]) * np.sum(far(t) * np.sin(np.exp(t) * largest)) / np.pi
     expected -= omega[0] * largest * (whole[0] - power[0] / (1 + k)) / np.pi  # longer waves: a constant, and ω^k
-    assert kernel.smooth(np.array([largest]))[2, 0] == pytest.approx(expected, abs=1e-3 * abs(kernel.power_law.d))
+    assert kernel.smooth(np.array([largest]))[2, 0] == pytest.approx(expected, abs=1e-3 * abs(kernel.surface.d))
 
 
 @pytest.mark.parametrize("k, thickness", [(-0.8, 2.0), (-0.8, 0.3), (-0.8, 0.02), (-0.5, 2.0), (0.0, 0.3)])

@@ -68,7 +68,7 @@ def test_coulomb(case):
     a, c = contact.contact_half_width, contact.stick_half_width
     x = np.concatenate([c * np.array([0.1, 0.5, 0.9, 0.999]), c + (a - c) * np.array([0.01, 0.3, 0.9])])[4 * (c == 0) :]
     p, q = contact.pressure(x), contact.traction(x)
-    sign = -np.sign(PowerLawKernel(contact.solid).d)
+    sign = -np.sign(contact.solid.d)
     assert np.all((sign * q >= 0) & (sign * q <= mu * p * (1 + 1e-6)))
     np.testing.assert_allclose(sign * q[x > c], mu * p[x > c], rtol=1e-12)
     assert np.all(sign * contact.slip(x) >= 0)

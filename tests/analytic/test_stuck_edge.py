@@ -6,7 +6,6 @@ import pytest
 from scipy.integrate import quad
 
 from analytic import GradedHalfPlane
-from analytic.half_plane.surface_kernel import PowerLawKernel
 from analytic.stuck_edge import StuckEdge
 
 
@@ -29,7 +28,7 @@ def test_nothing_oscillates_at_the_holl_ratio():
 def test_singular_tractions_move_nothing_in_contact(k, nu):
     """p, q = (A, B) t^-l on t > 0, l complex: u_x = u_y = 0 there; ahead, at t < 0, u_x = i sqrt(alpha) u_y."""
     solid = half_plane(k, nu)
-    b, g, d = solid.b, solid.g, PowerLawKernel(solid).d
+    b, g, d = solid.b, solid.g, solid.d
     power = mp.mpc((1 - k) / 2, StuckEdge(solid).oscillation)
     inside = mp.beta(1 - power, 1 - k)  # integral of t^-l (1-t)^-k from 0 to 1
     beyond = mp.beta(power + k - 1, 1 - k)  # of t^-l (t-1)^-k from 1 on

@@ -64,14 +64,14 @@ def test_coupling_parameter(nu):
     for k in (-0.9, -0.5, 0.3, 0.9):
         solid = GradedHalfPlane(1.0, nu, k, 1.0)
         expected = solid.b * np.sqrt(solid.g / solid.b) / np.tan(solid.beta * np.pi / 2)
-        assert PowerLawKernel(solid).d == pytest.approx(expected, rel=1e-12)
+        assert solid.d == pytest.approx(expected, rel=1e-12)
     limit = -(1 - 2 * nu) * (1 + nu) / 2
     for k in (-1e-9, 0.0, 1e-9):
-        assert kernel_of(k, nu).d == pytest.approx(limit, rel=1e-8, abs=1e-8)
+        assert kernel_of(k, nu).solid.d == pytest.approx(limit, rel=1e-8, abs=1e-8)
     for k in (0.0, 0.3, 0.9):
         holl = GradedHalfPlane.holl_ratio(k)
-        assert abs(kernel_of(k, holl).d) < 1e-15
-        assert kernel_of(k, holl - 0.1).d < 0
+        assert abs(kernel_of(k, holl).solid.d) < 1e-15
+        assert kernel_of(k, holl - 0.1).solid.d < 0
 
 
 def test_kernel_is_continuous_through_k_zero():
@@ -99,7 +99,7 @@ def test_antiderivatives(k):
     with mp.workdps(40):
         K, y0 = mp.mpf(k) if k else mp.mpf("1e-25"), mp.mpf(0.7)
         exact = mp.quad(lambda u: (u / y0) ** -K * 1, [0, mp.mpf(0.4)]) if k < 0.5 else 0.4 * (0.4 / y0) ** -K / (1 - K)
-    assert F[0, 2, 0] == pytest.approx(float(exact) * kernel.d / 2.0, rel=1e-10)
+    assert F[0, 2, 0] == pytest.approx(float(exact) * kernel.solid.d / 2.0, rel=1e-10)
 
 
 @pytest.mark.parametrize("k", [-0.4, 0.0, 0.5])
