@@ -16,7 +16,7 @@ from .fretting import BEYOND_END, FrettingLoop, since_turn
 from .partial_slip import PartialSlip
 from .point_force import point_force_stress
 from .quadrature import nodes_for, plain_rule
-from .special import log_remainder, parabolic_gap, parabolic_gap_slope
+from .special import parabolic_gap
 
 
 @dataclass(frozen=True)
@@ -50,40 +50,22 @@ class StretchedPartialSlip:
 
     def traction(self, x):
         """Tangential traction [stress], q(x) = mu (p(x, a) - p(x - e, c)), [X7]."""
-        contact, mu = self.contact, self.state.mu
-        x, e, c, width = self._broadcast(x)
-        q = np.array(np.broadcast_to(contact.pressure(x), x.shape))
-        stick = np.abs(x - e) < c
-        x, e, c, width = x[stick], e[stick], c[stick], width[stick]
-        whole = (contact.a - x) * (contact.a + x)
-        lost = (width * (contact.a + c) - e * (2 * x - e)) / whole
-        log_left = np.log((c - (x - e)) / (contact.a - x) * ((c + (x - e)) / (contact.a + x)))
-        q[stick] *= -np.expm1((1 + contact.solid.k) / 2 * log_remainder(lost, log_left))
-        return (self._direction * mu * q)[()]
+        return self._direction * self.state.mu * self._difference(self.contact.pressure_difference, x)
 
     def slip(self, x):
         """h_x(x - e) [length] with h_x of (50), zero in the stick zone, [X7].
 
         For |x| > a it is the displacement of the free surface, stretched as it is, from the zone.
         """
-        contact, k = self.contact, self.contact.solid.k
-        x, e, c, width = self._broadcast(x)
-        side = np.where(x >= e, 1.0, -1.0)
-        near = (side * x - contact.a) + width - side * e  # |x - e| - c without the rounding of c
-        beyond = np.where(width < contact.a / 2, near, np.abs(x - e) - c)
-        h = contact.profile(x - e) * parabolic_gap(np.abs(x - e), c, k, beyond) - contact.gap(x)
-        return (self._direction * self.state.mu * contact.solid.alpha * h)[()]
+        return self._displaced(self.contact.relative_displacement_difference, x)
 
     def surface_strain(self, x):
-        """du_x/dx of the surface [1] for |x| <= a by q and the strain: -dh_x/dx at x - e, [X3]. Tension positive.
+        """du_x/dx of the surface [1] by q and the strain, in contact -dh_x/dx at x - e, [X3]. Tension positive.
 
         It is 0 in the stick zone and largest at the trailing edge x = -a, for k = 0 mu/R times the root of
         (a + e)² - c². Off the Holl ratio p strains the surface too; that is not in it.
         """
-        contact, k = self.contact, self.contact.solid.k
-        x, e, c, _ = self._broadcast(x)
-        slope = (x - e) / contact.R * parabolic_gap_slope(np.abs(x - e), c, k)
-        return (-self._direction * self.state.mu * contact.solid.alpha * slope)[()]
+        return -self._displaced(self.contact.gradient_difference, x)
 
     def stress_xx(self, x, y, nodes=800):
         """sigma_xx [stress] at x, depth y > 0 (broadcast) under p(x, a), this q(x) and the strain, tension positive.
@@ -108,8 +90,7 @@ class StretchedPartialSlip:
         """∫ mu p(x, a) |h_x(x - e)| dx [stress x length²], lost where points slid all along."""
         contact, k = self.contact, self.contact.solid.k
         e, c = float(self.shift), float(self.c)
-        width = -contact.a * np.expm1(self.state.log_ratio / (2 + k))
-        total = 0.0
+        width, total = contact.lost_width(self.state.log_ratio), 0.0
         for side in (1, -1):  # over ln |x - e|, from the edge of stick to the edge of contact
             reach, span = contact.a - side * e, np.log1p(max(width - side * e, 0.0) / c)
             t, rest, weight = plain_rule((3 - k) / 2, (1 + k) / 2, nodes_for(span))
@@ -124,11 +105,11 @@ class StretchedPartialSlip:
     def _direction(self):
         return np.copysign(1.0, self.state.Q)
 
-    def _broadcast(self, x):
-        """x, e, c and a - c, the last without the rounding error of c, of one shape."""
-        contact = self.contact
-        width = -contact.a * np.expm1(self.state.log_ratio / (2 + contact.solid.k))
-        return np.broadcast_arrays(np.asarray(x, dtype=float), self.shift, self.c, width)
+    def _difference(self, field, x):
+        return field(x, self.state.log_ratio, self.shift)
+
+    def _displaced(self, field, x):
+        return self._direction * self.state.mu * self.contact.solid.alpha * self._difference(field, x)
 
 
 @dataclass(frozen=True)

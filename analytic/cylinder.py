@@ -27,7 +27,8 @@ class CylinderContact:
 
     R: radius [length]; P: load per unit length [stress x length]; both positive, else ValueError.
     Fields take x of any shape and return that shape. Methods that end in _difference compare with
-    the same contact under the load e^log_ratio P, of half-width s, without cancellation.
+    the same contact under the load e^log_ratio P, of half-width s, without cancellation; where they take a shift e,
+    with that one moved to x = e [X7].
     """
 
     solid: GradedHalfPlane
@@ -114,22 +115,26 @@ class CylinderContact:
         """Half-width s under the load e^log_ratio P [length], (43)."""
         return self.a * np.exp(log_ratio / (2 + self.solid.k))
 
-    def _inner(self, x, log_ratio):
-        """|x|, s, s - |x| and a - s; the last two without the rounding error of s."""
-        x, log_ratio = np.broadcast_arrays(np.abs(np.asarray(x, dtype=float)), log_ratio)
-        s = self.half_width(log_ratio)
-        width = -self.a * np.expm1(log_ratio / (2 + self.solid.k))
-        return x, s, np.where(width < self.a / 2, (self.a - x) - width, s - x), width
+    def lost_width(self, log_ratio):
+        """a - s [length], without the rounding error of s."""
+        return -self.a * np.expm1(log_ratio / (2 + self.solid.k))
 
-    def pressure_difference(self, x, log_ratio):
-        """p(x, a) - p(x, s) [stress], bracket of (33) and (47)."""
-        x, s, to_s, width = self._inner(x, log_ratio)
+    def _inner(self, x, log_ratio, shift):
+        """x, e, s, |x - e|, s - |x - e| and a - s; the last two without the rounding error of s."""
+        x, e, log_ratio = np.broadcast_arrays(np.asarray(x, dtype=float), shift, log_ratio)
+        s, width, side = self.half_width(log_ratio), self.lost_width(log_ratio), np.where(x >= e, 1.0, -1.0)
+        near = np.where(width < self.a / 2, (self.a - side * x) - width + side * e, s - np.abs(x - e))
+        return x, e, s, np.abs(x - e), near, width
+
+    def pressure_difference(self, x, log_ratio, shift=0.0):
+        """p(x, a) - p(x - e, s) [stress], bracket of (33) and (47)."""
+        x, e, s, distance, to_s, width = self._inner(x, log_ratio, shift)
         result = np.array(self.pressure(x))
         stick = to_s > 0
-        x, s, to_s, width = x[stick], s[stick], to_s[stick], width[stick]
+        x, e, s, distance, to_s, width = (v[stick] for v in (x, e, s, distance, to_s, width))
         whole = (self.a - x) * (self.a + x)
-        lost = width * (self.a + s) / whole  # (a² - s²)/(a² - x²)
-        log_left = np.log(to_s / (self.a - x)) + np.log((s + x) / (self.a + x))
+        lost = (width * (self.a + s) - e * (2 * x - e)) / whole  # 1 - (s² - (x-e)²)/(a² - x²)
+        log_left = np.log(to_s / (self.a - np.abs(x))) + np.log((s + distance) / (self.a + np.abs(x)))
         result[stick] *= -np.expm1((1 + self.solid.k) / 2 * log_remainder(lost, log_left))
         return result[()]
 
@@ -137,17 +142,17 @@ class CylinderContact:
         """∫_{-x}^{x} of pressure_difference [stress x length]; odd in x."""
         return self.P * load_fraction_difference(x, self.a, log_ratio, self.solid.k)
 
-    def relative_displacement_difference(self, x, log_ratio):
-        """h_y(x, a) - h_y(x, s) [length], within the contact f - h_y(x, s) of (36), as [X2]."""
-        k = self.solid.k
-        x, s, to_s, _ = self._inner(x, log_ratio)
-        return self.profile(x) * (parabolic_gap(x, s, k, -to_s) - parabolic_gap(x, self.a, k))
+    def relative_displacement_difference(self, x, log_ratio, shift=0.0):
+        """f(x-e) - h_y(x-e, s) less f - h_y(x, a), which is 0 in contact [length]: (36), as [X2]."""
+        x, e, s, distance, to_s, _ = self._inner(x, log_ratio, shift)
+        return self.profile(x - e) * parabolic_gap(distance, s, self.solid.k, -to_s) - self.gap(x)
 
-    def gradient_difference(self, x, log_ratio):
-        """Derivative of relative_displacement_difference [1], [X3]; odd in x."""
-        k, slope = self.solid.k, np.asarray(x, dtype=float) / self.R
-        x, s, to_s, _ = self._inner(x, log_ratio)
-        return slope * (parabolic_gap_slope(x, s, k, -to_s) - parabolic_gap_slope(x, self.a, k))
+    def gradient_difference(self, x, log_ratio, shift=0.0):
+        """Derivative of relative_displacement_difference [1], [X3]; for e = 0 odd in x."""
+        k = self.solid.k
+        x, e, s, distance, to_s, _ = self._inner(x, log_ratio, shift)
+        inner = (x - e) / self.R * parabolic_gap_slope(distance, s, k, -to_s)
+        return inner - x / self.R * parabolic_gap_slope(np.abs(x), self.a, k)
 
     def indentation_difference(self, log_ratio):
         """delta_y(a) - delta_y(s) [length], bracket of (40) and (49). k > 0 only."""
