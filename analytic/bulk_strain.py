@@ -12,7 +12,7 @@ import numpy as np
 
 from .checks import require
 from .cylinder import CylinderContact
-from .fretting import BEYOND_END, FrettingLoop, since_turn
+from .fretting import BEYOND_END, FrettingLoop, Loop
 from .partial_slip import PartialSlip
 from .point_force import point_force_stress
 from .quadrature import nodes_for, plain_rule
@@ -113,7 +113,7 @@ class StretchedPartialSlip:
 
 
 @dataclass(frozen=True)
-class StretchedLoop:
+class StretchedLoop(Loop):
     """Fretting loop of the cylinder with strain: 0 -> Q_A together with 0 -> strain, then the cycle.
 
     loop: the same without strain; strain: its value at +Q_A [1], tension positive, eps = strain Q/Q_A throughout.
@@ -153,31 +153,14 @@ class StretchedLoop:
         return StretchedPartialSlip(self.loop.amplitude, self.strain)
 
     @property
-    def c(self):
-        """Half-width of the stick zone at +Q_A [length], (48)."""
-        return self.loop.c
-
-    @property
     def shift(self):
         """Centre e of the stick zone at +Q_A [length], [X7]."""
         return self.amplitude.shift
 
     def zone(self, Q, branch):
         """Centre and half-width [length] of the zone that has stuck since the last turn of Q."""
-        step = self._step(Q, branch)
+        step = self.step(Q, branch)
         return step.shift, step.c
-
-    def traction(self, x, Q, branch):
-        """Tangential traction [stress] at the load Q on a branch, [X7]."""
-        return since_turn(lambda state: state.traction(x), self._step(Q, branch), self.amplitude, branch)
-
-    def slip(self, x, Q, branch):
-        """Slip from the unloaded state [length] at the load Q on a branch, [X7]."""
-        return since_turn(lambda state: state.slip(x), self._step(Q, branch), self.amplitude, branch)
-
-    def energy_density(self, x):
-        """Energy lost per cycle and area, 4 mu p(x, a) h_x(x - e, c) [stress x length], [X7]."""
-        return 4 * self.amplitude.traction(x) * self.amplitude.slip(x)
 
     @property
     def dissipated_energy(self):
@@ -186,12 +169,13 @@ class StretchedLoop:
 
     def dissipated(self, Q, branch):
         """Energy per thickness lost on a branch up to the load Q, a number [stress x length²]."""
-        step = self._step(Q, branch)
+        step = self.step(Q, branch)
         if step.state.Q == 0:
             return 0.0
         return (1 if branch == "initial" else 2) * step.work
 
-    def _step(self, Q, branch):
+    def step(self, Q, branch):
+        """StretchedPartialSlip under Q on the initial branch, else under half the step since the turn."""
         state = self.loop.step(Q, branch)
         share = state.Q / self.loop.Q_A if self.loop.Q_A else 0.0
         return StretchedPartialSlip(state, self.strain * share)

@@ -1,6 +1,8 @@
 """Fretting between Q_A and -Q_A at constant normal load: equations (51), (52) and [X4], [X5]."""
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -10,21 +12,49 @@ from .special import log_remainder
 BEYOND_END = 1e-14  # a load beyond the end of a branch by this share of Q_A is taken as the end
 
 
-def since_turn(field, step, amplitude, branch):
-    """Field on a branch: that of the last turn of the load plus twice that of half the step since, [X5]."""
-    if branch == "initial":
-        return field(step)
-    turn = 1 if branch == "unloading" else -1
-    return turn * field(amplitude) + 2 * field(step)
+class Loop(ABC):
+    """Fields on the branches of a loop: those of the last turn plus twice those of half the step since, [X5], [X7].
+
+    amplitude: the state at Q_A. branch is 'initial', 'unloading' or 'reloading'.
+    """
+
+    amplitude: Any
+
+    @abstractmethod
+    def step(self, Q, branch):
+        """State under Q on the initial branch, else under half the step since the turn."""
+
+    @property
+    def c(self):
+        """Half-width of the zone that sticks throughout the cycle [length], (34), (48)."""
+        return self.amplitude.c
+
+    def traction(self, x, Q, branch):
+        """Tangential traction [stress] at the load Q on a branch."""
+        return self._since_turn(Q, branch, lambda state: state.traction(x))
+
+    def slip(self, x, Q, branch):
+        """Slip from the unloaded state [length] at the load Q on a branch."""
+        return self._since_turn(Q, branch, lambda state: state.slip(x))
+
+    def energy_density(self, x):
+        """Energy dissipated per cycle and area, w(x) = 4 q h_x at Q_A [stress x length], (51)."""
+        return 4 * self.amplitude.traction(x) * self.amplitude.slip(x)
+
+    def _since_turn(self, Q, branch, field):
+        step = self.step(Q, branch)
+        if branch == "initial":
+            return field(step)
+        turn = 1 if branch == "unloading" else -1
+        return turn * field(self.amplitude) + 2 * field(step)
 
 
 @dataclass(frozen=True)
-class FrettingLoop:
+class FrettingLoop(Loop):
     """Initial loading 0 -> Q_A, unloading Q_A -> -Q_A, reloading -Q_A -> Q_A at constant P.
 
-    amplitude: the state at Q_A. branch is 'initial', 'unloading' or 'reloading'. The fields take x
-    of any shape and, for a CylinderContact, Q of any shape as well (broadcast with x). A load
-    outside the branch raises ValueError.
+    The fields take x of any shape and, for a CylinderContact, Q of any shape as well (broadcast with
+    x). A load outside the branch raises ValueError.
     """
 
     amplitude: PartialSlip
@@ -57,15 +87,6 @@ class FrettingLoop:
         return self.amplitude.a
 
     @property
-    def c(self):
-        """Half-width of the zone that sticks throughout the cycle [length], (34), (48)."""
-        return self.amplitude.c
-
-    def energy_density(self, x):
-        """Energy dissipated per cycle and area, w(x) = 4 q h_x at Q_A [stress x length], (51)."""
-        return 4 * self.amplitude.traction(x) * self.amplitude.slip(x)
-
-    @property
     def dissipated_energy(self):
         """Energy per cycle and thickness, 8 ∫_c^a q h_x dx [stress x length²], (52), [X4]."""
         work = self.contact.slip_work(self.amplitude.log_ratio)
@@ -75,24 +96,13 @@ class FrettingLoop:
         """Half-width d of the zone that has stuck since the last turn [length], [X5]."""
         return self.step(Q, branch).c
 
-    def traction(self, x, Q, branch):
-        """Tangential traction [stress] at the load Q on a branch, [X5]."""
-        return self._state(Q, branch, lambda state: state.traction(x))
-
     def traction_within(self, x, Q, branch):
         """∫_{-x}^{x} of the traction [stress x length]; odd in x, ±Q beyond ±a."""
-        return self._state(Q, branch, lambda state: state.traction_within(x))
-
-    def slip(self, x, Q, branch):
-        """Slip from the unloaded state [length] at the load Q on a branch, [X5]."""
-        return self._state(Q, branch, lambda state: state.slip(x))
+        return self._since_turn(Q, branch, lambda state: state.traction_within(x))
 
     def rigid_shift(self, Q, branch):
         """Displacement delta_x of |x| < c [length] at Q on a branch, (40), [X5]. k > 0 only."""
-        return self._state(Q, branch, lambda state: state.rigid_shift)
-
-    def _state(self, Q, branch, field):
-        return since_turn(field, self.step(Q, branch), self.amplitude, branch)
+        return self._since_turn(Q, branch, lambda state: state.rigid_shift)
 
     def step(self, Q, branch):
         """Partial slip under Q on the initial branch, else under half the step since the turn."""
