@@ -1,6 +1,6 @@
 """Rigid parabolic cylinder pressed on a graded half-plane: equations (41)-(46), [X1]-[X4]."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from math import gamma, pi, sqrt
 
@@ -8,9 +8,9 @@ import numpy as np
 
 from .checks import require, require_positive_k
 from .cumulative import beta_fraction, load_fraction_difference
-from .fretting import FrettingLoop
+from .fretting import TangentiallyLoaded
 from .material import GradedHalfPlane
-from .partial_slip import PartialSlip
+from .profile import PowerProfile
 from .special import (
     log_remainder,
     parabolic_displacement,
@@ -22,7 +22,7 @@ from .special import (
 
 
 @dataclass(frozen=True)
-class CylinderContact:
+class CylinderContact(TangentiallyLoaded):
     """Cylinder f(x) = x²/(2R) pressed by a line load on a graded half-plane or a pair of them.
 
     R: radius [length]; P: load per unit length [stress x length]; both positive, else ValueError.
@@ -65,11 +65,16 @@ class CylinderContact:
         require_positive_k(self.solid.k, "the indentation delta_y")
         return self.a**2 / (2 * self.R * self.solid.k)
 
-    # -- fields ------------------------------------------------------------------------------------
+    @cached_property
+    def profile(self):
+        """Shape of the cylinder, the PowerProfile f(x) = x²/(2R), (41)."""
+        return PowerProfile(0.5 / self.R, 2.0)
 
-    def profile(self, x):
-        """Shape of the cylinder f(x) [length], (41)."""
-        return np.asarray(x, dtype=float) ** 2 / (2 * self.R)
+    def under(self, P):
+        """The same cylinder under another load [stress x length]."""
+        return replace(self, P=float(P))
+
+    # -- fields ------------------------------------------------------------------------------------
 
     def density(self, s):
         """n_y(s) [stress / length^k], (42)."""
@@ -90,12 +95,12 @@ class CylinderContact:
     def relative_displacement(self, x):
         """h_y(x) [length]: depth of the point x = 0 below x; f(x) in the contact, (45) beside it, as [X2]."""
         x = np.abs(np.asarray(x, dtype=float))
-        return self.profile(x) * parabolic_relative_displacement(x, self.a, self.solid.k)
+        return self.profile.height(x) * parabolic_relative_displacement(x, self.a, self.solid.k)
 
     def gap(self, x):
         """Gap f(x) - h_y(x) beside the contact [length], zero within it, [X2]."""
         x = np.abs(np.asarray(x, dtype=float))
-        return self.profile(x) * parabolic_gap(x, self.a, self.solid.k)
+        return self.profile.height(x) * parabolic_gap(x, self.a, self.solid.k)
 
     def displacement(self, x):
         """u_y(x) [length], (10). k > 0 only."""
@@ -105,8 +110,8 @@ class CylinderContact:
         beside = np.where(inside, self.a, x)
         return np.where(
             inside,
-            indentation - self.profile(x),
-            self.profile(x) * parabolic_displacement(beside, self.a, k),
+            indentation - self.profile.height(x),
+            self.profile.height(x) * parabolic_displacement(beside, self.a, k),
         )[()]
 
     # -- difference to the same contact under the load e^log_ratio P -------------------------------
@@ -145,7 +150,7 @@ class CylinderContact:
     def relative_displacement_difference(self, x, log_ratio, shift=0.0):
         """f(x-e) - h_y(x-e, s) less f - h_y(x, a), which is 0 in contact [length]: (36), as [X2]."""
         x, e, s, distance, to_s, _ = self._inner(x, log_ratio, shift)
-        return self.profile(x - e) * parabolic_gap(distance, s, self.solid.k, -to_s) - self.gap(x)
+        return self.profile.height(x - e) * parabolic_gap(distance, s, self.solid.k, -to_s) - self.gap(x)
 
     def gradient_difference(self, x, log_ratio, shift=0.0):
         """Derivative of relative_displacement_difference [1], [X3]; for e = 0 odd in x."""
@@ -171,13 +176,3 @@ class CylinderContact:
         series = sum((u**i - v**i) / f for i, f in zip(n, factorial, strict=True))
         S = np.where(U < 1, L * np.exp(-U) * series, printed)[()]
         return 2 * self.P * self.a**2 / self.R * S
-
-    # -- tangential loading ------------------------------------------------------------------------
-
-    def partial_slip(self, mu, Q=None, z=None):
-        """State under a monotone load Q [stress x length], |Q| < mu P, or by z = 1 - Q/(mu P)."""
-        return PartialSlip.from_load(self, mu, Q, z)
-
-    def fretting(self, mu, Q_A=None, z=None):
-        """Loop between ±Q_A [stress x length], 0 <= Q_A < mu P, or by z = 1 - Q_A/(mu P)."""
-        return FrettingLoop.from_load(self, mu, Q_A, z)

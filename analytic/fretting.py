@@ -122,3 +122,15 @@ class FrettingLoop(Loop):
         ratio, rest = np.abs(step) / limit, self.amplitude.z + share * np.abs(end - Q) / limit
         log_ratio = log_remainder(ratio, np.log(rest))
         return PartialSlip(self.contact, self.mu, step, log_ratio)
+
+
+class TangentiallyLoaded:
+    """What follows when Q acts on a normal contact: the base of CylinderContact and ProfileContact."""
+
+    def partial_slip(self, mu, Q=None, z=None):
+        """State under a monotone load Q [stress x length], |Q| < mu P, or by z = 1 - Q/(mu P)."""
+        return PartialSlip.from_load(self, mu, Q, z)
+
+    def fretting(self, mu, Q_A=None, z=None):
+        """Loop between ±Q_A [stress x length], 0 <= Q_A < mu P, or by z = 1 - Q_A/(mu P)."""
+        return FrettingLoop.from_load(self, mu, Q_A, z)

@@ -10,10 +10,9 @@ from scipy.optimize import brentq
 from .abel import PunchSuperposition
 from .checks import require, require_positive_k
 from .cylinder import CylinderContact
-from .fretting import FrettingLoop
+from .fretting import TangentiallyLoaded
 from .material import GradedHalfPlane
-from .partial_slip import PartialSlip
-from .profile import PowerProfile, Profile, abel_factor, density_power
+from .profile import PowerProfile, Profile, abel_factor, density_power, load_of
 from .quadrature import plain_rule
 from .special import punch_rigid_factor
 
@@ -23,7 +22,7 @@ ROOT = {"xtol": 1e-15, "rtol": 1e-15, "maxiter": 1000}
 
 
 @dataclass(frozen=True)
-class ProfileContact:
+class ProfileContact(TangentiallyLoaded):
     """Indenter f(x) in contact over |x| < a; fields take x of any shape and return that shape.
 
     a: contact half-width [length], a > profile.flat, else ValueError; from_load finds it from the
@@ -43,13 +42,13 @@ class ProfileContact:
         """Contact under the line load P [stress x length], whose half-width is at most a_max."""
         require("P", P)
         flat = profile.flat
-        require("P", P, high=cls(solid, profile, a_max).P, closed_high=True)
+        require("P", P, high=load_of(solid, profile, a_max), closed_high=True)
 
         def half_width(t):
             return flat + (a_max - flat) * exp(t)
 
         def excess(t):
-            return log(cls(solid, profile, half_width(t)).P / P)
+            return log(load_of(solid, profile, half_width(t)) / P)
 
         low = -1.0
         while excess(low) > 0:
@@ -65,10 +64,12 @@ class ProfileContact:
 
     @cached_property
     def P(self):
-        """Line load [stress x length], (6), where the integral undoes the derivative in (5)."""
-        k = self.solid.k
-        factor = abel_factor(k, self.solid.normal_compliance)
-        return float(factor * self.profile.abel_integral(self.a, k))
+        """Line load [stress x length], (6)."""
+        return float(load_of(self.solid, self.profile, self.a))
+
+    def under(self, P):
+        """The same profile under another load [stress x length]."""
+        return self.from_load(self.solid, self.profile, P, _wide_enough(self.solid, self.profile, P))
 
     @cached_property
     def _punches(self):
@@ -165,16 +166,6 @@ class ProfileContact:
         steepest = max(5.0, 1 + log(self.profile.order + self.solid.k))  # P ~ width^(order + k) or less steep
         return outer(brentq(excess, log(fraction) - steepest, -1e-3, **ROOT))
 
-    # -- tangential loading ------------------------------------------------------------------------
-
-    def partial_slip(self, mu, Q=None, z=None):
-        """State under a monotone load Q [stress x length], |Q| < mu P, or by z = 1 - Q/(mu P)."""
-        return PartialSlip.from_load(self, mu, Q, z)
-
-    def fretting(self, mu, Q_A=None, z=None):
-        """Loop between ±Q_A [stress x length], 0 <= Q_A < mu P, or by z = 1 - Q_A/(mu P)."""
-        return FrettingLoop.from_load(self, mu, Q_A, z)
-
 
 def normal_contact(solid: GradedHalfPlane, profile, P) -> CylinderContact | ProfileContact:
     """Contact under the line load P [stress x length], of a parabola or any other profile, as wide as it has to be.
@@ -191,7 +182,7 @@ def _wide_enough(solid, profile, P):
     width, growth, before = 1e-9 * (profile.flat or 1.0), 4.0, 0.0
     while growth > 1 + 1e-6:
         with np.errstate(all="ignore"):
-            load = ProfileContact(solid, profile, profile.flat + growth * width).P
+            load = load_of(solid, profile, profile.flat + growth * width)
         if load >= P:
             return profile.flat + growth * width
         if load < before:

@@ -104,6 +104,11 @@ def abel_factor(k, compliance):
     return 2 * sin((1 - abs(k)) * pi / 2) / (pi * compliance)
 
 
+def load_of(solid, profile, s):
+    """P(s) of a contact of half-width s, any shape [stress x length], (6), with (5) integrated."""
+    return abel_factor(solid.k, solid.normal_compliance) * profile.abel_integral(s, solid.k)
+
+
 def density_power(profile, k):
     """Power of s - flat with which the density n(s) of (5), (23) begins."""
     return profile.order - 1 + ((k - 1) / 2 if profile.flat > 0 else 0.0)

@@ -6,8 +6,8 @@ followed exactly, for every -1 < k < 1 and every convex profile. At constant P i
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
 from math import log
 
 import numpy as np
@@ -16,11 +16,9 @@ from .checks import require, require_positive_k
 from .cylinder import CylinderContact
 from .load_memory import LoadMemory
 from .normal import ProfileContact
-from .profile import abel_factor
+from .profile import load_of
 from .quadrature import nodes_for, one_sided_rule
 from .special import punch_rigid_factor
-
-GROWTH = 1.1  # of the half-width that is tried for a load above that of the contact given
 
 
 @dataclass(frozen=True)
@@ -117,8 +115,8 @@ class SpringState:
 class SpringPath:
     """Histories of the loads of one contact.
 
-    contact: a CylinderContact or ProfileContact, of which solid and profile count, and not the load; its height must
-    exist up to GROWTH times the largest half-width. mu: friction coefficient, positive, else ValueError.
+    contact: a CylinderContact or ProfileContact, of which solid and profile count, and not the load; ValueError where
+    its profile ends before it carries a load. mu: friction coefficient, positive, else ValueError.
     """
 
     contact: CylinderContact | ProfileContact
@@ -142,40 +140,23 @@ class SpringPath:
 
     def contact_under(self, P):
         """The contact under the load P [stress x length]."""
-        if isinstance(self.contact, CylinderContact):
-            return replace(self.contact, P=float(P))
-        return self._profile_contact(float(P))
-
-    def load(self, s):
-        """P(s) [stress x length], (6), of any shape."""
-        solid = self.contact.solid
-        if isinstance(self.contact, CylinderContact):
-            return self.contact.P * (s / self.contact.a) ** (2 + solid.k)
-        factor = abel_factor(solid.k, solid.normal_compliance)
-        return factor * self.contact.profile.abel_integral(s, solid.k)
-
-    @cached_property
-    def _known(self):
-        return {}
-
-    def _profile_contact(self, P):
-        if P not in self._known:
-            a_max, solid, profile = self.contact.a, self.contact.solid, self.contact.profile
-            while self.load(a_max) < P:
-                a_max *= GROWTH
-            self._known[P] = ProfileContact.from_load(solid, profile, P, a_max)
-        return self._known[P]
+        return _under(self.contact, P)
 
     def _dissipated(self, memory, P, Q):
         """∫ p |dh_x| dx of the line to P and Q [stress x length²], over the half-widths of the punches that slip."""
-        breaks, solid = memory.breaks(P, Q), self.contact.solid
-        flat = 0.0 if isinstance(self.contact, CylinderContact) else self.contact.profile.flat
-        total = 0.0
+        breaks, solid, profile = memory.breaks(P, Q), self.contact.solid, self.contact.profile
+        flat, total = profile.flat, 0.0
         for low, high in zip(breaks[:-1], breaks[1:], strict=True):
             ends = [self.contact_under(load).a - flat for load in (low, high)]
             span = np.log(ends[1] / ends[0])
             t, weight = one_sided_rule(0.0, nodes_for(span))
             width = ends[0] * np.exp(span * t)
             s = flat + width
-            total += span * np.sum(weight * width * s ** (-1 - solid.k) * memory.slip_work(self.load(s), P, Q))
+            work = memory.slip_work(load_of(solid, profile, s), P, Q)
+            total += span * np.sum(weight * width * s ** (-1 - solid.k) * work)
         return solid.tangential_compliance * punch_rigid_factor(solid.k) * total
+
+
+@lru_cache(maxsize=1024)
+def _under(contact, P):
+    return contact.under(P)

@@ -284,4 +284,4 @@ def test_limits_of_the_stick_zone():
         sliding = contact.partial_slip(MU, z=1e-300)
         assert sliding.c < 1e-99 * contact.a
         np.testing.assert_allclose(sliding.traction(x), MU * contact.pressure(x), rtol=1e-15)
-        np.testing.assert_allclose(sliding.slip(x), MU * contact.solid.alpha * contact.profile(x), rtol=1e-12)
+        np.testing.assert_allclose(sliding.slip(x), MU * contact.solid.alpha * contact.profile.height(x), rtol=1e-12)
