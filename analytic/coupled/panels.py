@@ -46,20 +46,7 @@ def singular_weights(k):
     return moments @ TO_LEGENDRE
 
 
-def legendre(x, count):
-    """Legendre polynomials of degree < count at x, shape (count, n)."""
-    P = np.empty((count, len(x)))
-    P[0] = 1
-    if count > 1:
-        P[1] = x
-    for n in range(2, count):
-        np.multiply(x, P[n - 1], out=P[n])
-        P[n] *= (2 * n - 1) / n
-        P[n] -= (n - 1) / n * P[n - 2]
-    return P
-
-
-def graded(low, high, to_low=0, to_high=0, ratio=0.15):
+def graded(low, high, to_low, to_high, ratio):
     """Break points from low to high; panels shrink by ``ratio`` so many times towards the ends, from the middle."""
     half = (high - low) / 2
     points = [[low, low + half, high]] if to_low or to_high else [[low, high]]
@@ -130,7 +117,7 @@ class Panels:
             power = (1 + k * at_end) * (GAUSS_WEIGHT / 2 + k * base)
             parts = np.stack([part * (end * np.sign(reach))[:, None], -end * power], axis=1)
             at = (local[:, None] + reach[:, None] * v).ravel()
-            values = legendre(at, NODES).reshape(NODES, len(x), NODES).transpose(1, 2, 0)
+            values = legvander(at, NODES - 1).reshape(len(x), NODES, NODES)
             result += (parts * (length * here)[:, None, None]) @ values
         return np.moveaxis(result @ TO_LEGENDRE, 1, 0)
 
@@ -147,7 +134,7 @@ def _near_cauchy(x):
         Q[n] = ((2 * n - 1) * at * Q[n - 1] - (n - 1) * Q[n - 2]) / n
     result[inside] = Q.T @ TO_LEGENDRE
     at = x[~inside]  # the part of g(x) is integrated in closed form
-    g = legendre(at, NODES).T @ TO_LEGENDRE
+    g = legvander(at, NODES - 1) @ TO_LEGENDRE
     ratio = GAUSS_WEIGHT / (at[:, None] - GAUSS)
     result[~inside] = ratio + g * (log[~inside] - ratio.sum(axis=1))[:, None]
     return result

@@ -6,14 +6,14 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from ..checks import ContactNotConverged
-from ..cylinder import CylinderContact
 from ..normal import normal_contact
 from ..pressing_with_friction import PressingWithFriction
 from .panels import Panels, graded
 from .problem import problem_of
 from .tractions import Interpolated, StateOnContact, shrinking
+from .weight import ContactInterval
 
-LEVELS, RATIO = 15, 0.4  # of the panels on which the pressure without friction is integrated or interpolated
+LEVELS, RATIO = 15, 0.4  # of the panels on which the pressure without friction is integrated
 NARROW = 1e-6  # width of slip over a below which all sticks; next to the Holl ratio it is exponentially narrow
 
 
@@ -30,28 +30,14 @@ class NormalStage(StateOnContact):
 
     def __init__(self, solid, profile, P, mu, coupling, order):
         self.solid, self.P = solid, P
-        self._closed = normal_contact(solid, profile, P)
-        self.a = self._closed.a
-        self._cylinder = isinstance(self._closed, CylinderContact)
+        self.a = normal_contact(solid, profile, P).a
         self.problem = problem_of(solid, profile, P, mu, coupling, order, self.a)
-
-    @cached_property
-    def _smooth(self):
-        """The pressure over 0 < x < 1, without its root at the edge."""
-        panels = Panels.between(graded(0.0, 1.0, 0, LEVELS, RATIO))
-        x = panels.nodes
-        return Interpolated(panels, (self._closed.pressure(self.a * x) * self.a / self.P / self._root(x))[None])
-
-    def _root(self, x):
-        return np.maximum((1 - x) * (1 + x), 0.0) ** ((1 + self.solid.k) / 2)
+        self._interval = ContactInterval(self.problem, 0.0, *self.contact)
+        self._smooth, _ = self._interval.profile()
 
     def tractions(self, x):
         """p and q at x, shape (2, n)."""
-        if self._cylinder:
-            p = self._closed.pressure(self.a * x) * self.a / self.P
-        else:
-            r = np.minimum(np.abs(x), 1.0)
-            p = self._smooth(r)[0] * self._root(r)
+        p = self._interval.weight(x) * self._smooth(x)
         return np.stack([p, np.zeros_like(p)])
 
     @cached_property

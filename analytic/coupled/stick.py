@@ -3,8 +3,9 @@
 from functools import lru_cache
 
 import numpy as np
+from numpy.polynomial.legendre import legvander
 
-from .panels import GAUSS, GAUSS_WEIGHT, NODES, TO_LEGENDRE, Panels, gauss, legendre
+from .panels import GAUSS, GAUSS_WEIGHT, NODES, TO_LEGENDRE, Panels, gauss
 
 END = 0.6  # length of the panel at an end over the distance to the nearest other singular point
 GROWTH = 2.0  # of the panels from there on
@@ -39,7 +40,7 @@ def end_rule(exponent, size, parts):
 
 def end_values(v, exponent, size):
     """v^exponent P_j(2v - 1), j < size, shape (len(v), size)."""
-    return (legendre(2 * v - 1, size) * v**exponent).T
+    return legvander(2 * v - 1, size - 1) * v[:, None] ** exponent
 
 
 def end_points(size, k):
@@ -121,7 +122,7 @@ class StickBasis:
         (_, left), (_, right) = (end_rule(e, self.end_size, parts) for e in self.exponents)
         at_left, at_right = parts * NODES, matrix.shape[1] - parts * NODES
         middle = matrix[:, at_left:at_right].reshape(len(matrix), self.panels, NODES)
-        polynomials = legendre(GAUSS, self.order).T
+        polynomials = legvander(GAUSS, self.order - 1)
         return np.hstack([
             matrix[:, :at_left] @ left,
             (middle @ polynomials).reshape(len(matrix), -1),
@@ -143,9 +144,9 @@ class StickBasis:
             at = x[middle]
             j = np.clip(np.searchsorted(self.inner, at, side="right") - 1, 0, self.panels - 1)
             low, high = self.inner[j], self.inner[j + 1]
-            P = legendre((2 * at - low - high) / (high - low), self.order)
+            P = legvander((2 * at - low - high) / (high - low), self.order - 1)
             coefficients = c[self.end_size : -self.end_size].reshape(self.panels, self.order)
-            result[middle] = np.einsum("ln,nl->n", P, coefficients[j])
+            result[middle] = np.einsum("nl,nl->n", P, coefficients[j])
         return result
 
     def amplitudes(self, c):
@@ -160,4 +161,4 @@ class StickBasis:
 def _without_first(v, exponent, c):
     """v^exponent times (the polynomial with coefficients c less its value at v = 0)."""
     signs = (-1.0) ** np.arange(len(c))
-    return v**exponent * ((legendre(2 * v - 1, len(c)).T - signs) @ c)
+    return v**exponent * ((legvander(2 * v - 1, len(c) - 1) - signs) @ c)

@@ -3,8 +3,9 @@
 from functools import cached_property
 
 import numpy as np
+from numpy.polynomial.legendre import legvander
 
-from .panels import GAUSS, NODES, TO_LEGENDRE, Panels, graded, legendre
+from .panels import GAUSS, NODES, TO_LEGENDRE, Panels, graded
 from .problem import Problem
 
 RATIO = 0.3  # of panels that shrink towards the breaks of a state
@@ -25,8 +26,8 @@ class Interpolated:
         """All of them at x, shape (fields, n)."""
         panels = self.panels
         j = np.clip(np.searchsorted(panels.low, x, side="right") - 1, 0, len(panels.low) - 1)
-        P = legendre((x - panels.middle[j]) / panels.half[j], NODES)
-        return np.einsum("ln,nlf->fn", P, self._coefficients[j])
+        P = legvander((x - panels.middle[j]) / panels.half[j], NODES - 1)
+        return np.einsum("nl,nlf->fn", P, self._coefficients[j])
 
 
 def shrinking(points, k, at_ends=True):
@@ -63,10 +64,10 @@ def _merged(fine, values, breaks, x):
         keep[1:] &= ~((fine.low[1:] < point) & (fine.low[:-1] >= point - reach))
     panels = Panels.between(np.append(fine.low[keep], fine.high[-1]))
     j = np.repeat(np.cumsum(keep) - 1, NODES)
-    P = legendre((fine.nodes - panels.middle[j]) / panels.half[j], NODES)
+    P = legvander((fine.nodes - panels.middle[j]) / panels.half[j], NODES - 1).T
     moments = np.add.reduceat(P * (fine.weights * values.ravel()), NODES * np.flatnonzero(keep), axis=1)
     coefficients = moments / panels.half * (np.arange(NODES)[:, None] + 0.5)
-    return panels, (coefficients.T @ legendre(GAUSS, NODES)).ravel()
+    return panels, (coefficients.T @ legvander(GAUSS, NODES - 1).T).ravel()
 
 
 class StateOnContact:

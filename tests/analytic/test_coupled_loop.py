@@ -199,7 +199,7 @@ def test_rates_of_the_amplitudes():
 def test_compliance_of_full_stick(k, nu):
     """The tractions that it names move the contact as a rigid body without tilt, under Q = 1; without coupling (13)."""
     problem, half = NormalStage(solid_of(k, nu), PROFILE, P, MU, True, 8).problem, 1.3
-    panels = Panels.between(graded(-1.0, 1.0, 14, 14))
+    panels = Panels.between(graded(-1.0, 1.0, 14, 14, 0.15))
     D = problem.d / np.sqrt(problem.bk * problem.gk)
     turning = np.arctanh(hilbert_ratio(problem.k) * D) / np.pi * np.log((1 + panels.nodes) / (1 - panels.nodes))
     root = ((1 + panels.nodes) * (1 - panels.nodes)) ** ((k - 1) / 2)
