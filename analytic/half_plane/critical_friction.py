@@ -8,6 +8,7 @@ docs/critical_friction.md says what this tells about a continuous surface.
 """
 
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 
@@ -173,16 +174,10 @@ def _starts(n):
     """Patterns (m, n) of a short seed at every place between two stretches of slip."""
     sign = {"+": 1.0, "-": -1.0, "0": 0.0}
     patterns = []
-    for seed in SEEDS:
-        short = np.array([sign[c] for c in seed])
-        for flip in (1.0, -1.0):
-            for place in range(n - len(seed) + 1):
-                for left in (1.0, -1.0):
-                    for right in (1.0, -1.0):
-                        pattern = np.full(n, right)
-                        pattern[:place] = left
-                        pattern[place : place + len(seed)] = flip * short
-                        patterns.append(pattern)
+    for seed, flip, left, right in product(SEEDS, (1.0, -1.0), (1.0, -1.0), (1.0, -1.0)):
+        short = [flip * sign[c] for c in seed]
+        places = range(n - len(seed) + 1)
+        patterns += [np.array([left] * place + short + [right] * (n - len(seed) - place)) for place in places]
     for first, end in ENDS:
         pattern = np.full(n, -1.0)
         pattern[0], pattern[-len(end) :] = sign[first], [sign[c] for c in end]
@@ -193,10 +188,9 @@ def _starts(n):
 def _neighbours(signs):
     """Patterns that differ from this one in a short stretch, or are it moved by one element."""
     n, near = len(signs), [np.roll(signs, 1), np.roll(signs, -1)]
-    for width in WIDTHS:
+    for width, sign in product(WIDTHS, (-1.0, 0.0, 1.0)):
         for first in range(n - width + 1):
-            for sign in (-1.0, 0.0, 1.0):
-                pattern = signs.copy()
-                pattern[first : first + width] = sign
-                near.append(pattern)
+            pattern = signs.copy()
+            pattern[first : first + width] = sign
+            near.append(pattern)
     return np.unique(near, axis=0)

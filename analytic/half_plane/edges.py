@@ -9,10 +9,7 @@ def contact_zone(solution, k):
     """Left and right edge of the contact [length]."""
     x, closed = solution.x, np.flatnonzero(solution.sets.closed)
     first, last = closed[0], closed[-1]
-    return (
-        _edge(x, solution.pressure, first, -1, k),
-        _edge(x, solution.pressure, last, 1, k),
-    )
+    return _edge(x, solution.pressure, first, -1, k), _edge(x, solution.pressure, last, 1, k)
 
 
 def stuck_runs(solution, mu):

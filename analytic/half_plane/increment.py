@@ -79,10 +79,7 @@ class Increment:
         limit = self.mu * np.maximum(s.pressure, 0.0) + p_rounding
         begins = np.where(np.abs(s.traction) > limit, np.sign(s.traction), 0.0)
         backwards = was_slipping * (s.position - self.data.rest) > u_rounding
-        beside_stick = s.stuck.copy()
-        for _ in range(RETURN):
-            beside_stick[1:] |= beside_stick[:-1].copy()
-            beside_stick[:-1] |= beside_stick[1:].copy()
+        beside_stick = np.convolve(s.stuck, np.ones(2 * RETURN + 1), "same") > 0.5
         if (backwards & beside_stick).any():
             backwards &= beside_stick
         slipping = np.where(was_slipping == 0, begins, np.where(backwards, 0.0, was_slipping))

@@ -105,11 +105,5 @@ def _put_cubics(result, nodes, j):
     """Lagrange's cubic through the nodes j-1..j+2."""
     stencil = j[:, None] + np.arange(-1, 3)
     t = (nodes[stencil] - nodes[j, None]) / (nodes[j + 1] - nodes[j])[:, None]
-    for i in range(4):
-        polynomial = [np.ones(len(j))]  # product of (t - t_m)/(t_i - t_m), lowest power first
-        for m in range(4):
-            if m != i:
-                up, low = [0.0, *polynomial], [*polynomial, 0.0]
-                polynomial = [(u - t[:, m] * v) / (t[:, i] - t[:, m]) for u, v in zip(up, low, strict=True)]
-        for power, coefficient in enumerate(polynomial):
-            result[power, j, stencil[:, i]] = coefficient
+    coefficients = np.linalg.inv(t[..., None] ** np.arange(POWERS))
+    result[:, j[:, None], stencil] = coefficients.transpose(1, 0, 2)

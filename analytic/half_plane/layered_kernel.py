@@ -49,13 +49,11 @@ def surface_compliance(modulus, nu, wavenumber, depth, surface_exponent=0.0, bre
         """dS/ds of ω E_ref times the compliance, y = s^order/ω: u_x = iX, q = i f, hence real and symmetric."""
         xx, yy, xy = S
         e = float(modulus(s**order / omega)) / reference
-        slope = np.array(
-            [
-                -2 * xy - shear / e + e * plane * xx * xx,
-                2 * n * xy - axial / e + e * plane * xy * xy,
-                n * xx - yy + e * plane * xx * xy,
-            ]
-        )
+        slope = np.array([
+            -2 * xy - shear / e + e * plane * xx * xx,
+            2 * n * xy - axial / e + e * plane * xy * xy,
+            n * xx - yy + e * plane * xx * xy,
+        ])
         return slope * order * s ** (order - 1)
 
     homogeneous = PowerLawKernel(GradedHalfPlane(1.0, nu, 0.0, 1.0)).compliance(1.0)

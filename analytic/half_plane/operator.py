@@ -115,17 +115,9 @@ class SurfaceOperator:
         coupling = coupling_q = np.zeros((len(nodes), len(nodes)))
         if coupled:
             coupling, coupling_q = (nodal_moments(D, i) for i in (of_pressure, of_traction))
-        return cls(
-            nodes,
-            of_pressure,
-            of_traction,
-            nodal_integrals(nodes, of_pressure),
-            nodal_integrals(nodes, of_traction),
-            nodal_moments(N, of_pressure),
-            nodal_moments(T, of_traction),
-            coupling,
-            coupling_q,
-        )
+        weight, weight_q = (nodal_integrals(nodes, i) for i in (of_pressure, of_traction))
+        normal, tangential = nodal_moments(N, of_pressure), nodal_moments(T, of_traction)
+        return cls(nodes, of_pressure, of_traction, weight, weight_q, normal, tangential, coupling, coupling_q)
 
     @property
     def is_coupled(self) -> bool:

@@ -190,35 +190,10 @@ class HalfPlaneContact:
             slip_field = PiecewiseField.kept_in(stuck, memory.slip, new)
         energy, begun, way = self._worked(memory, operator, solution, load, normal_stage, (p, opening), (q, place))
         state = ContactState(
-            P,
-            Q,
-            x,
-            operator.weight,
-            operator.weight_q,
-            solution.pressure,
-            solution.traction,
-            slip,
-            solution.gap,
-            layout.contact,
-            layout.stick,
-            layout.zones,
-            energy,
-            solution.delta_x,
-            solution.delta_y,
-            strain,
+            P, Q, strain, x, operator.weight, operator.weight_q, solution.pressure, solution.traction, slip, solution.gap,
+            layout.contact, layout.stick, layout.zones, energy, solution.delta_x, solution.delta_y,
         )
-        return Memory(
-            state,
-            layout,
-            slip_field,
-            reference,
-            p,
-            q,
-            opening,
-            way,
-            begun,
-            memory.directions(load),
-        )
+        return Memory(state, layout, slip_field, reference, p, q, opening, way, begun, memory.directions(load))
 
     def _worked(self, memory, operator, solution, load, normal_stage, pressed, sheared):
         """Frictional work so far, that before the present straight way of the loads, and that way.

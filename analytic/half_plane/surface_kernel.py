@@ -93,10 +93,4 @@ class PowerLawKernel:
         omega = np.abs(np.asarray(wavenumber, dtype=float)) * solid.y0
         decay = solid.y0 * gamma(1 - k) * omega ** (k - 1) / solid.E0
         even = pi * np.sinc(k / 2)  # 2 sin(k pi/2)/k
-        return np.stack(
-            [
-                decay * even * solid.gk,
-                decay * even * solid.bk,
-                -2j * decay * cos(k * pi / 2) * solid.d,
-            ]
-        )
+        return np.stack([decay * even * solid.gk, decay * even * solid.bk, -2j * decay * cos(k * pi / 2) * solid.d])
