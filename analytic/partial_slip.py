@@ -6,7 +6,7 @@ two normal contacts: the actual one and the one whose half-width is the stick ha
 
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -14,44 +14,16 @@ from .checks import require
 from .special import log_remainder
 
 
-class NormalContact(Protocol):
-    """What partial slip needs of a normal contact; log_ratio = ln(P(s)/P) selects s <= a."""
-
-    P: float
-    a: float
-    solid: Any  # half-plane or pair: its alpha is asked for
-
-    def half_width(self, log_ratio):
-        """s [length]."""
-
-    def pressure_difference(self, x, log_ratio):
-        """p(x, a) - p(x, s) [stress]."""
-
-    def pressure_difference_within(self, x, log_ratio):
-        """Its integral from -x to x [stress x length]."""
-
-    def relative_displacement_difference(self, x, log_ratio):
-        """h_y(x, a) - h_y(x, s) [length]."""
-
-    def gradient_difference(self, x, log_ratio):
-        """Its derivative with respect to x [1]."""
-
-    def indentation_difference(self, log_ratio):
-        """delta_y(a) - delta_y(s) [length]; k > 0 only."""
-
-    def slip_work(self, log_ratio):
-        """8 ∫_s^a p(x, a) [f(x) - h_y(x, s)] dx [stress x length²]."""
-
-
 @dataclass(frozen=True)
 class PartialSlip:
     """Stick for |x| < c, slip for c < |x| < a, (25), (26), after loading from 0 to Q at constant P.
 
-    Q: tangential line load [stress x length]. log_ratio: ln(1 - |Q|/(mu P)), which by (34) is the
-    logarithm of P(c)/P(a); it keeps the digits of Q near 0 and of mu P - Q near full slip.
+    contact: a CylinderContact or ProfileContact; its methods that end in _difference compare it with
+    itself under the load e^log_ratio P. Q: tangential line load [stress x length]. log_ratio: ln(1 - |Q|/(mu P)),
+    which by (34) is the logarithm of P(c)/P(a); it keeps the digits of Q near 0 and of mu P - Q near full slip.
     """
 
-    contact: NormalContact
+    contact: Any
     mu: float
     Q: float
     log_ratio: float

@@ -9,6 +9,7 @@ The functions take x and s of any shape (broadcast), and some distance = x - s, 
 knows it better than the subtraction gives it.
 """
 
+from functools import partial
 from math import exp, expm1, gamma, inf, lgamma, log, pi, sqrt
 
 import numpy as np
@@ -74,13 +75,10 @@ def punch_gradient(x, s, k, distance=None):
 def parabolic_gap(x, s, k, distance=None):
     """Phi(1 - s²/x²) of [X2], 0 for x <= s: the gap beside a parabolic contact over x²/(2R)."""
 
-    def near(y):
-        return _phi(y, k)
-
     def far(ratio):
         return 1 - _phi_complement(ratio, k)
 
-    return _by_zone(x, s, distance, near, far, at_edge=0.0, far_away=1.0)
+    return _by_zone(x, s, distance, partial(_phi, k=k), far, at_edge=0.0, far_away=1.0)
 
 
 def parabolic_gap_slope(x, s, k, distance=None):
@@ -100,10 +98,7 @@ def parabolic_relative_displacement(x, s, k):
     def near(y):
         return 1 - _phi(y, k)
 
-    def far(ratio):
-        return _phi_complement(ratio, k)
-
-    return _by_zone(x, s, None, near, far, at_edge=1.0, far_away=0.0)
+    return _by_zone(x, s, None, near, partial(_phi_complement, k=k), at_edge=1.0, far_away=0.0)
 
 
 def parabolic_displacement(x, s, k):

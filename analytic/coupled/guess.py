@@ -1,7 +1,4 @@
-"""Guesses for the edges of a branch: functions of the distance from the turn.
-
-Each returns the variables (4,) of ``edges.edges_of``.
-"""
+"""Guesses for the edges of a branch at a load, the distance of Q from the turn: variables (4,) of ``edges_of``."""
 
 import numpy as np
 
@@ -11,26 +8,18 @@ MIRRORED = np.array([-1.0, 1.0, 1.0, -1.0])  # signs of the variables at -x, in 
 CLOSE = 1e-3  # to where stick ended, over its half-width
 
 
-def uncoupled(k, limit):
+def uncoupled(k, limit, load):
     """From a state of full stick, without coupling, (48)."""
-
-    def guess(load):
-        c = _stick(k, limit, load)
-        return variables_of(np.array([-1.0, -c, c, 1.0]), load, (-1.0, 1.0))
-
-    return guess
+    c = _stick(k, limit, load)
+    return variables_of(np.array([-1.0, -c, c, 1.0]), load, (-1.0, 1.0))
 
 
-def pressed(base, direction):
+def pressed(base, direction, load):
     """From a state pressed with friction, as ``uncoupled``; on one side slip goes on from where it is."""
-
-    def guess(load):
-        c = _stick(base.problem.k, base.problem.mu, load)
-        shorter = min(c, base.stick[1] * (1 - CLOSE))
-        c_l, c_r = (-c, shorter) if base.goes_on == direction else (-shorter, c)
-        return variables_of(np.array([-1.0, c_l, c_r, 1.0]), load, base.contact)
-
-    return guess
+    c = _stick(base.problem.k, base.problem.mu, load)
+    shorter = min(c, base.stick[1] * (1 - CLOSE))
+    c_l, c_r = (-c, shorter) if base.goes_on == direction else (-shorter, c)
+    return variables_of(np.array([-1.0, c_l, c_r, 1.0]), load, base.contact)
 
 
 def _stick(k, limit, load):
@@ -38,20 +27,12 @@ def _stick(k, limit, load):
     return max(1 - load / limit, 1e-3) ** (1 / (2 + k))
 
 
-def mirrored(branch):
+def mirrored(branch, load):
     """From a branch of the other direction."""
-
-    def guess(load):
-        return branch.guessed(load)[::-1] * MIRRORED
-
-    return guess
+    return branch.guessed(load)[::-1] * MIRRORED
 
 
-def turned(branch):
+def turned(branch, load):
     """After the first turn, from the branch before it: as after half the load from there, (36), [X5]."""
-
-    def guess(load):
-        half = np.clip(load / 2, branch.loads[0], branch.span)
-        return mirrored(branch)(half) - np.log(load / half) * np.array([0, 1, 1, 0])
-
-    return guess
+    half = np.clip(load / 2, branch.loads[0], branch.span)
+    return mirrored(branch, half) - np.log(load / half) * np.array([0, 1, 1, 0])

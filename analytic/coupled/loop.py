@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -102,16 +103,16 @@ class CoupledLoop:
         return states
 
     def _guess(self, branches, base, direction):
-        """Guess of the edges after a turn, from the branches before it."""
+        """Guess of the edges after a turn as a function of the load, from the branches before it."""
         if isinstance(base, PressedWithFriction):
-            return guess.pressed(base, direction)
+            return partial(guess.pressed, base, direction)
         if not branches:
-            return guess.uncoupled(self.solid.k, self.mu)
+            return partial(guess.uncoupled, self.solid.k, self.mu)
         if len(branches) == 1 and isinstance(branches[0].base, PressedWithFriction):  # slip there was wide at once
-            return guess.uncoupled(self.solid.k, 2 * self.mu)
+            return partial(guess.uncoupled, self.solid.k, 2 * self.mu)
         if len(branches) > 2:
             return branches[-2].guessed
-        return (guess.mirrored if len(branches) == 2 else guess.turned)(branches[-1])
+        return partial(guess.mirrored if len(branches) == 2 else guess.turned, branches[-1])
 
 
 def known(states: Sequence[CoupledState | ContactNotConverged]) -> list[CoupledState]:

@@ -190,7 +190,8 @@ class HalfPlaneContact:
             slip_field = PiecewiseField.kept_in(stuck, memory.slip, new)
         energy, begun, way = self._worked(memory, operator, solution, load, normal_stage, (p, opening), (q, place))
         state = ContactState(
-            P, Q, strain, x, operator.weight, operator.weight_q, solution.pressure, solution.traction, slip, solution.gap,
+            P, Q, strain, x, operator.weight, operator.weight_q,
+            solution.pressure, solution.traction, slip, solution.gap,
             layout.contact, layout.stick, layout.zones, energy, solution.delta_x, solution.delta_y,
         )
         return Memory(state, layout, slip_field, reference, p, q, opening, way, begun, memory.directions(load))

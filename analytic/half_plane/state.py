@@ -16,10 +16,10 @@ from .layout import Layout
 class ContactState:
     """Result of one increment; arrays are values at the nodes x, in increasing order.
 
-    P, Q: loads [stress x length]; strain: of the half-plane along x [1]; x: nodes [length]; weight, weight_q: quadrature
-    weights [length] with which pressure and traction sum up to the loads, the same up to the error of interpolation;
-    pressure, traction [stress]; slip: u_x - delta_x since the end of the normal stage [length], also where there is no
-    contact; gap [length];
+    P, Q: loads [stress x length]; strain: of the half-plane along x [1]; x: nodes [length];
+    weight, weight_q: quadrature weights [length] with which pressure and traction sum up to the loads, the same up to
+    the error of interpolation; pressure, traction [stress]; slip: u_x - delta_x since the end of the normal stage
+    [length], also where there is no contact; gap [length];
     contact, stick: left and right edge [length], stick that of all its zones, nan without friction;
     stick_zones: each of them, shape (n, 2); dissipated_energy: frictional work since first contact [stress x length²];
     delta_x, delta_y: displacements of the indenter [length], for k <= 0 up to a constant times the loads.
