@@ -7,8 +7,7 @@ import numpy as np
 from numpy.polynomial.legendre import legfit, legval
 
 from .punch_with_friction import PunchWithFriction
-from .quadrature import nodes_for, one_sided_rule, plain_rule
-from .singular_panels import gauss_rule
+from .quadrature import gauss_rule, nodes_for, one_sided_rule, plain_rule
 
 NODES = 12  # per panel of the zone of slip
 LEVELS = 20  # of panels towards the edge of the contact, where u_x' is singular, each half as wide as the last
@@ -85,7 +84,7 @@ class PunchFields:
         hi = np.append(lo[1:], w)
         owner = np.minimum(np.flatnonzero(outer)[0] + np.arange(len(lo)), len(panels.lo) - 1)
         t, _ = gauss_rule(NODES)
-        y = lo[:, None] + (hi - lo)[:, None] * (1 + t) / 2
+        y = lo[:, None] + (hi - lo)[:, None] * t
         slope = -self.punch.tangential_gradient(y.ravel(), np.repeat(owner, NODES)).reshape(y.shape)
         return lo, hi, slope
 
@@ -93,9 +92,9 @@ class PunchFields:
         """∫ -u_x' function(x, 1 - x) dx over each panel of slip."""
         lo, hi, slope = self._slip_panels
         t, weight = gauss_rule(NODES)
-        y = lo[:, None] + (hi - lo)[:, None] * (1 + t) / 2
+        y = lo[:, None] + (hi - lo)[:, None] * t
         values = slope * function(self.punch.c + y, self.punch.slip_width - y)
-        return (hi - lo) / 2 * (values @ weight)
+        return (hi - lo) * (values @ weight)
 
     def slip(self, x, m):
         """-m x^m ∫ u_x(t) t^(-m-1) dt over max(x, c) < t < 1: by parts, x^m times an integral over u_x'."""
@@ -109,13 +108,13 @@ class PunchFields:
         inside = np.minimum(x, 1.0).ravel()
         y = np.maximum(inside - c, 0.0)
         j = np.clip(np.searchsorted(lo, y, side="right") - 1, 0, len(lo) - 1)
-        series = legfit(t, slope.T, NODES - 1)[:, j, None]
+        series = legfit(2 * t - 1, slope.T, NODES - 1)[:, j, None]
         share = ((y - lo[j]) / (hi - lo)[j])[:, None]
         width = (hi - lo)[j]
-        below, above = share * (1 + t) / 2, share + (1 - share) * (1 + t) / 2
-        inner = width * share[:, 0] / 2 * (legval(2 * below - 1, series, tensor=False) @ weight)
+        below, above = share * t, share + (1 - share) * t
+        inner = width * share[:, 0] * (legval(2 * below - 1, series, tensor=False) @ weight)
         outer = np.expm1(-m * np.log(c + (lo[j][:, None] + width[:, None] * above)))
-        outer = width * (1 - share[:, 0]) / 2 * ((legval(2 * above - 1, series, tensor=False) * outer) @ weight)
+        outer = width * (1 - share[:, 0]) * ((legval(2 * above - 1, series, tensor=False) * outer) @ weight)
         stuck = np.maximum(inside, c)
         result = (plain[j] + inner) * -np.expm1(m * np.log(stuck)) + stuck**m * (falling[j + 1] + outer)
         return ((inside / stuck) ** m * np.where(inside < 1, result, 0.0)).reshape(x.shape)[()]

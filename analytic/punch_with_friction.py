@@ -15,6 +15,7 @@ from scipy.optimize import brentq
 from scipy.special import ellipkm1
 
 from .edge_exponents import edge_exponent
+from .quadrature import gauss_rule
 from .singular_panels import SingularPanels
 
 TERMS, COARSE = 10, 8  # of the polynomial on a panel; for the first guess
@@ -103,10 +104,10 @@ class PunchWithFriction:
         An equation at a panel of width h counts like h^((1-k)/2), a little less, for tractions ~ h^((k-1)/2).
         """
         panels, k = self.pressure_panels, self.medium.k
-        t, weight = np.polynomial.legendre.leggauss(self.terms + OVERSAMPLING)
+        t, weight = gauss_rule(self.terms + OVERSAMPLING)
         owner = np.repeat(np.arange(len(panels.lo)), len(t))
         width = panels.width[owner]
-        y = panels.lo[owner] + width * np.tile(1 + t, len(panels.lo)) / 2
+        y = panels.lo[owner] + width * np.tile(t, len(panels.lo))
         normal, tangential = self.displacement_gradients(y, owner)
         importance = (width ** (k + (1 - k) / 2 + 0.15) * np.tile(np.sqrt(weight), len(panels.lo)))[:, None]
         stick = y < 0

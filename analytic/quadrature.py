@@ -1,4 +1,4 @@
-"""Gauss rules for integrands with known powers at the ends, used by the Abel integrals."""
+"""Gauss rules on (0, 1), for smooth integrands and for those with known powers at the ends."""
 
 from functools import lru_cache
 
@@ -6,6 +6,13 @@ import numpy as np
 
 LEAST_POWER = 1e-60  # a node closer to an end has no weight of its own; keeps its powers finite
 BLOCK = 64  # points evaluated at once, which bounds the memory of points x nodes x nodes
+
+
+@lru_cache(maxsize=64)
+def gauss_rule(n):
+    """Nodes t and weights for ∫_0^1 F(t) dt, F smooth."""
+    v, weight = np.polynomial.legendre.leggauss(n)
+    return (1 + v) / 2, weight / 2
 
 
 @lru_cache(maxsize=256)
@@ -18,8 +25,7 @@ def one_sided_rule(power, n):
     """
     if power < -0.9:  # the substitution is steep there
         n *= 3
-    v, weight = np.polynomial.legendre.leggauss(n)
-    v, weight = (1 + v) / 2, weight / 2
+    v, weight = gauss_rule(n)
     m = max(1, round(8 * (power + 1)))
     exponent = m / (power + 1)
     with np.errstate(under="ignore"):

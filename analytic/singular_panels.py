@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
-from numpy.polynomial.legendre import leggauss, legvander
+from numpy.polynomial.legendre import legvander
 from scipy.special import roots_jacobi
 
-from .quadrature import plain_rule
+from .quadrature import gauss_rule, plain_rule
 
-gauss_rule, jacobi_rule = lru_cache(leggauss), lru_cache(roots_jacobi)
+jacobi_rule = lru_cache(roots_jacobi)
 NODES = 24  # on either side of the middle of a panel that a target is close to, or whose density is singular
 
 
@@ -50,7 +50,7 @@ class SingularPanels:
     def gauss(self, j, number):
         """The same for a smooth density and function."""
         t, weight = gauss_rule(number)
-        return self.width[j] * (1 + t) / 2, self.width[j] * (1 - t) / 2, self.width[j] * weight / 2
+        return self.width[j] * t, self.width[j] * (1 - t), self.width[j] * weight
 
     def moments(self, y, owner):
         """∫ sgn(x-ξ)|x-ξ|^(-k-1), k ∫ |x-ξ|^(-k-1), ∫ (x+ξ)^(-k-1) over every basis function, each (len(y), J terms).
@@ -109,8 +109,8 @@ class SingularPanels:
             else:  # over ln z
                 t, weight = gauss_rule(NODES)
                 span = np.log(length / reach)
-                z = reach * np.exp(span * (1 + t) / 2)
-                to_end, weight = np.maximum(length - z, 0.0), span / 2 * weight * z
+                z = reach * np.exp(span * t)
+                to_end, weight = np.maximum(length - z, 0.0), span * weight * z
             ends = (to_end, right + z) if sign > 0 else (left + z, to_end)
             value = np.einsum("is,isn->in", z ** (-k - 1) * weight, self.basis(j, *ends))
             odd, even = odd + sign * value, even + k * value

@@ -12,8 +12,7 @@ from numpy.polynomial.legendre import leggauss, legvander
 NODES = 16  # of a panel
 NEAR = 0.15  # distance from a panel over its length below which the kernel is integrated over a polynomial
 EXPM1 = 0.05  # |k| below which R needs expm1
-gauss = lru_cache(leggauss)  # nodes and weights of the Gauss rule with so many nodes on (-1, 1)
-GAUSS, GAUSS_WEIGHT = gauss(NODES)
+GAUSS, GAUSS_WEIGHT = leggauss(NODES)
 # coefficients of Legendre polynomials from values at the Gauss nodes
 TO_LEGENDRE = legvander(GAUSS, NODES - 1).T * GAUSS_WEIGHT * (np.arange(NODES)[:, None] + 0.5)
 

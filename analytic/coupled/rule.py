@@ -5,7 +5,8 @@ from functools import lru_cache
 import numpy as np
 from scipy.special import roots_sh_jacobi
 
-from .panels import Panels, gauss
+from ..quadrature import gauss_rule
+from .panels import Panels
 
 RATIO = 0.35  # of panels towards an edge, as far as points of stick are
 END, END_NODES = 0.5, 12  # piece at an edge that has Gauss-Jacobi rules, over the width of slip, and nodes of each
@@ -57,11 +58,10 @@ class ContactRule:
 
 def smooth_rule(low, high, breaks):
     """Nodes and weights between low and high for functions with weak singularities at the ``breaks``."""
-    g, w = gauss(SMOOTH_NODES)
-    t = (1 + g) / 2
+    t, w = gauss_rule(SMOOTH_NODES)
     points = np.unique([low, *[x for x in breaks if low < x < high], high])
     a, length = points[:-1, None], np.diff(points)[:, None]
-    return (a + length * t**3 * (10 - 15 * t + 6 * t**2)).ravel(), (length * w / 2 * 30 * t**2 * (1 - t) ** 2).ravel()
+    return (a + length * t**3 * (10 - 15 * t + 6 * t**2)).ravel(), (length * w * 30 * t**2 * (1 - t) ** 2).ravel()
 
 
 def _offsets(end):

@@ -5,7 +5,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.polynomial.legendre import legvander
 
-from .panels import GAUSS, GAUSS_WEIGHT, NODES, TO_LEGENDRE, Panels, gauss
+from ..quadrature import gauss_rule
+from .panels import GAUSS, GAUSS_WEIGHT, NODES, TO_LEGENDRE, Panels
 
 END = 0.6  # length of the panel at an end over the distance to the nearest other singular point
 GROWTH = 2.0  # of the panels from there on
@@ -45,7 +46,7 @@ def end_values(v, exponent, size):
 
 def end_points(size, k):
     """Collocation points on the panel at an end."""
-    return ((1 + gauss(size)[0]) / 2) ** (1 + CLUSTER * max(k, 0.0))
+    return gauss_rule(size)[0] ** (1 + CLUSTER * max(k, 0.0))
 
 
 @lru_cache(maxsize=64)
@@ -95,7 +96,7 @@ class StickBasis:
         self.size = 2 * self.end_size + self.panels * order
         v = end_points(self.end_size, k)
         low, high = self.inner[:-1, None], self.inner[1:, None]
-        middle = (low + high + (high - low) * gauss(order)[0]) / 2
+        middle = low + (high - low) * gauss_rule(order)[0]
         ends = c_l + self.lengths[0] * v, (c_r - self.lengths[1] * v)[::-1]
         self.points = np.concatenate([ends[0], middle.ravel(), ends[1]])
 

@@ -7,8 +7,8 @@ from numpy.polynomial import Chebyshev
 from scipy.special import digamma, loggamma
 
 from ..edge_exponents import oscillation
+from ..quadrature import gauss_rule
 from .branch import Branch
-from .panels import gauss
 from .pressed import PressedWithFriction
 
 BEYOND = 0.3  # logarithm of the load over which the motion is continued to the turn, within the first part
@@ -47,7 +47,7 @@ class FrictionalWork:
 
     def _motion_integral(self, load):
         """∫ (distance of the indenter since the turn) over the load, from the turn."""
-        branch, (g, w) = self._branch, gauss(LOAD_NODES)
+        branch, (g, w) = self._branch, gauss_rule(LOAD_NODES)
         total = self._compliance * load**2 / 2
         for low, high, function in zip(branch.parts, branch.parts[1:], self._softening, strict=False):
             high = min(high, load)
@@ -58,8 +58,8 @@ class FrictionalWork:
                 u = np.log(low / branch.first)
                 total += low**3 / 3 * (parabola @ [u**2 - 2 * u / 3 + 2 / 9, u - 1 / 3, 1])
             if high > low:
-                t = low + (high - low) * (1 + g) / 2
-                total += (high - low) / 2 * (w @ (t**2 * function(branch.variable(t))))
+                t = low + (high - low) * g
+                total += (high - low) * (w @ (t**2 * function(branch.variable(t))))
         return total
 
     def at(self, state):
@@ -90,8 +90,8 @@ def stick_compliance(problem, half):
     D = problem.d / np.sqrt(problem.bk * problem.gk)
     conjugate = (1 + k) / 2 - 1j * oscillation(problem)
     if abs(k) < SMALL_K:
-        t, weight = gauss(NODES)
-        G = (weight / 2) @ (digamma(1 + k * (1 + t) / 2) - digamma(conjugate - k * (1 + t) / 2))
+        t, weight = gauss_rule(NODES)
+        G = weight @ (digamma(1 + k * t) - digamma(conjugate - k * t))
     else:
         G = (loggamma(1 + k) + loggamma(conjugate - k) - loggamma(conjugate)) / k
     G -= np.log(2 * half)

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from ..quadrature import gauss_rule
+
 POWERS = 4  # coefficients per element, of 1, t, t², t³ with t = 0..1 along it
 REACH, GUARD = 0.05, 0.005  # over the width of the contact, see adapted
 
@@ -84,10 +86,9 @@ class Interpolant:
     def integral(self, smooth) -> float:
         """∫ of it times the cubic spline through ``smooth`` (n,) at the nodes."""
         length, spline = np.diff(self.nodes), CubicSpline(self.nodes, smooth)
-        gauss, weight = np.polynomial.legendre.leggauss(POWERS)
-        t = (1 + gauss) / 2
+        t, weight = gauss_rule(POWERS)
         values = np.einsum("re,rg->eg", self.coefficients, t ** np.arange(POWERS)[:, None])
-        return float(length @ (values * spline(self.nodes[:-1, None] + length[:, None] * t)) @ weight) / 2
+        return float(length @ (values * spline(self.nodes[:-1, None] + length[:, None] * t)) @ weight)
 
 
 def _put_roots(result, nodes, j, edge, exponent):

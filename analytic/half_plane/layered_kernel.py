@@ -14,6 +14,7 @@ from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
 
 from ..material import GradedHalfPlane
+from ..quadrature import gauss_rule
 from .surface_kernel import PowerLawKernel
 
 DEPTH = 20.0  # over the wavenumber: what lies deeper is felt by e^-40
@@ -146,12 +147,12 @@ class LayeredKernel:
         For k < 0 it grows like ω^k. Waves so long are seen as the slope that they give D and the curvature of N, T.
         """
         h, strength, _ = self._sources
-        s, weight = np.polynomial.legendre.leggauss(LONG_WAVES)
+        t, weight = gauss_rule(LONG_WAVES)
         order = 1 / (1 + min(self.k, 0.0))
-        omega = LONGEST / self.largest * ((1 + s) / 2) ** order
+        omega = LONGEST / self.largest * t**order
         power, whole = self._decay(omega)
         left = whole - power - np.exp(-omega[:, None] * h) @ strength
-        steps = weight * order * omega / (1 + s)
+        steps = weight * order * omega / t
         return steps @ left, steps * omega @ left
 
     @cached_property
