@@ -6,8 +6,8 @@ import numpy as np
 from scipy.optimize import brentq
 
 from ..checks import ContactNotConverged
-from .edges import ARRIVAL, ITERATIONS, EdgeSolver, edges_of
-from .rule import smooth_rule
+from .conditions import check
+from .edges import ITERATIONS, EdgeSolver, edges_of
 from .tractions import SlipState
 
 FIRST = 0.02  # least load over the span of the branch, where there is a solution,
@@ -21,8 +21,6 @@ FEWEST = 3  # known states in such a part
 SPARSE = 3  # so many loads are solved before it is known where a stick edge passes an earlier turn
 LEAST_WIDTH = 0.02  # of slip inside the contact at the turn, over the load, where a solution is still sought
 MOST_ITERATIONS = 12  # iterations at loads that need no solution
-CONDITIONS = 1e-5  # violation of the conditions of friction that is borne, in units of the problem,
-BACKWARDS = 0.01, 1e-8  # and of slip since the state before: over that in the right direction, and in any case
 SLIPPED_AGAIN = 1.5  # times the largest load without a state: from there on all points that came in stick have slipped
 
 
@@ -189,50 +187,8 @@ class Branch:
         return last
 
     def _check(self, state):
-        x_l, x_r = state.contact
-        c_l, c_r = state.stick
-        if c_l < self.base.contact[0] or c_r > self.base.contact[1]:
-            raise ContactNotConverged(ARRIVAL)
-        x, weight = smooth_rule(x_l, x_r, state.breaks)
-        p, q = state.tractions(x)
-        if (tension := weight @ np.maximum(-p, 0)) > CONDITIONS:
-            raise ContactNotConverged(f"the pressure is negative, its integral {tension:.1e} P")
-        if (over := weight @ np.maximum(np.abs(q) - self.problem.mu * p, 0)) > CONDITIONS:
-            raise ContactNotConverged(f"q exceeds its limit where it sticks, by {over:.1e} P in all")
-        back, forth = self._slipped(state)
-        share, least = BACKWARDS
-        if back > max(share * forth, least):
-            raise ContactNotConverged(f"a point slips backwards, by {back:.1e}")
-
-    def _slipped(self, state):
-        """Largest slip backwards, and in the direction of the branch, since the known state before.
-
-        Of points that touched in both: what comes into contact has moved before. A longer way would hide that points
-        still slip backwards, as they do where they came in stick and have not all slipped yet.
-        """
         i = int(np.searchsorted(self.loads, abs(state.Q - self.base.Q) * (1 - 1e-12)))
-        before = self._known[i - 1][1] if i else self.base
-        (left, right), back, forth = state.contact, 0.0, 0.0
-        left, right = max(left, before.contact[0]), min(right, before.contact[1])
-        for low, high in ((left, state.stick[0]), (state.stick[1], right)):
-            if low < high:
-                x, _ = smooth_rule(low, high, [*before.breaks, *self.base.contact])
-                moved = state.displacements(x)[0] - before.displacements(x)[0]
-                back = max(back, (moved * self.direction).max())
-                forth = max(forth, -(moved * self.direction).min())
-        return back, forth
-
-    def moved(self, state):
-        """Beside the stick zone of a state, left and right: points x, their weights, and u_x - delta_x and
-        u_y - delta_y there since the turn, (2, n)."""
-        base = self.base
-        sides = (
-            (min(base.contact[0], state.contact[0]), state.stick[0]),
-            (state.stick[1], max(base.contact[1], state.contact[1])),
-        )
-        for low, high in sides:
-            x, weight = smooth_rule(low, high, [*base.breaks, *base.contact, *state.contact])
-            yield x, weight, state.displacements(x) - base.displacements(x)
+        check(state, self._known[i - 1][1] if i else self.base, self.base, self.direction)
 
     def _crossings(self):
         """Loads at which an edge of stick passes a place where it turned before."""

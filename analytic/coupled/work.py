@@ -10,6 +10,7 @@ from ..edge_exponents import oscillation
 from ..quadrature import gauss_rule
 from .branch import Branch
 from .pressed import PressedWithFriction
+from .rule import smooth_rule
 
 BEYOND = 0.3  # logarithm of the load over which the motion is continued to the turn, within the first part
 LOAD_NODES = 24  # of the integral over the loads
@@ -71,9 +72,12 @@ class FrictionalWork:
         base = self._branch.base
         Q = state.Q - base.Q
         work = Q * (state.delta_x - base.delta_x) / 2 - self._motion_integral(abs(Q))
-        for x, weight, moved in self._branch.moved(state):
+        left, right = min(base.contact[0], state.contact[0]), max(base.contact[1], state.contact[1])
+        for side in ((left, state.stick[0]), (state.stick[1], right)):
+            x, weight = smooth_rule(*side, [*base.breaks, *base.contact, *state.contact])
             p, q = state.tractions(x) + base.tractions(x)
-            work -= weight @ (q * moved[0] + p * moved[1]) / 2
+            u_x, u_y = state.displacements(x) - base.displacements(x)
+            work -= weight @ (q * u_x + p * u_y) / 2
         return float(work)
 
 
