@@ -40,11 +40,8 @@ class Profile:
 
     def abel_integral(self, s, k):
         """∫_0^s x f'(x) (s²-x²)^(-(1-k)/2) dx for s > flat."""
-
-        def integrand(t, x, u):
-            return t * self.slope(u)
-
-        return s ** (1 + k) * self._weighted(s, k, integrand, 1.0 if self.flat == 0 else 0.0)
+        left = 1.0 if self.flat == 0 else 0.0
+        return s ** (1 + k) * self._weighted(s, k, lambda t, x, u: t * self.slope(u), left)
 
     def abel_density(self, s, k):
         """s^-k d/ds of abel_integral, differentiated under the integral sign."""

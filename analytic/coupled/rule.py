@@ -11,6 +11,7 @@ from .panels import Panels
 RATIO = 0.35  # of panels towards an edge, as far as points of stick are
 END, END_NODES = 0.5, 12  # piece at an edge that has Gauss-Jacobi rules, over the width of slip, and nodes of each
 SMOOTH_NODES = 24  # of ``smooth_rule`` between two breaks
+_jacobi_rule = lru_cache(maxsize=64)(roots_sh_jacobi)
 
 
 class ContactRule:
@@ -72,12 +73,7 @@ def _offsets(end):
     return np.array([*points, end][::-1])
 
 
-@lru_cache(maxsize=64)
-def _gauss_jacobi(power):
-    return roots_sh_jacobi(END_NODES, power + 1, power + 1)
-
-
 def _end_rule(power, length):
     """Distances from an edge and weights of ∫ distance^power f over 0 < distance < length."""
-    v, weight = _gauss_jacobi(power)
+    v, weight = _jacobi_rule(END_NODES, power + 1, power + 1)
     return length * v, length ** (power + 1) * weight

@@ -34,14 +34,9 @@ def end_rule(exponent, size, parts):
     """
     points = np.concatenate([[0.0], RATIO ** np.arange(parts - 1.0, -1.0, -1.0)])
     v = Panels.between(points).nodes
-    values = end_values(v, exponent, size)
+    values = legvander(2 * v - 1, size - 1) * v[:, None] ** exponent
     values[:NODES] *= ((points[1] / v[:NODES]) ** exponent * power_weights(exponent))[:, None]
     return points, values
-
-
-def end_values(v, exponent, size):
-    """v^exponent P_j(2v - 1), j < size, shape (len(v), size)."""
-    return legvander(2 * v - 1, size - 1) * v[:, None] ** exponent
 
 
 def end_points(size, k):

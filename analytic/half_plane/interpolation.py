@@ -63,17 +63,17 @@ def adapted(nodes, edges: Edges, other_edges: Edges, exponent, width):
     return result
 
 
-def coefficients_of(interpolation, values):
-    """Coefficients (4, elements) of the interpolant of the ``values``."""
-    return np.einsum("ren,n->re", interpolation, values)
-
-
 @dataclass(frozen=True)
 class Interpolant:
     """Traction between ``nodes`` (n,) with these ``coefficients`` (4, n - 1), zero beyond."""
 
     nodes: np.ndarray
     coefficients: np.ndarray
+
+    @classmethod
+    def of(cls, nodes, interpolation, values):
+        """From the ``values`` (n,) at the nodes by an ``interpolation`` (4, n - 1, n)."""
+        return cls(nodes, np.einsum("ren,n->re", interpolation, values))
 
     def __call__(self, x):
         """Values at x."""

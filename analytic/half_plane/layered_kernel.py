@@ -34,11 +34,11 @@ LARGEST_MISFIT, LARGEST_AT_SURFACE = 1e-5, 0.02
 TABLE = 400  # points of the tabulated smooth part
 
 
-def surface_compliance(modulus, nu, wavenumber, depth, surface_exponent=0.0, breaks=()):
+def surface_compliance(modulus, nu, wavenumber, depth, surface_exponent=0.0):
     """Compliance C_xx, C_yy and Im C_xy at the wavenumber ω > 0 [length/stress], shape (3,), as in PowerLawKernel.
 
     modulus: E(y) [stress] for 0 < y <= depth [length], constant below; it may vanish or be infinite at
-    y = 0 like y^surface_exponent. breaks: depths at which E or its slope jumps [length].
+    y = 0 like y^surface_exponent.
     """
     omega, order = float(wavenumber), 1 / (1 - abs(surface_exponent))
     bottom = min(depth, DEPTH / omega)
@@ -59,16 +59,14 @@ def surface_compliance(modulus, nu, wavenumber, depth, surface_exponent=0.0, bre
 
     homogeneous = PowerLawKernel(GradedHalfPlane(1.0, nu, 0.0, 1.0)).compliance(1.0)
     S = np.array([homogeneous[0].real, homogeneous[1].real, homogeneous[2].imag])
-    ends = [bottom, *sorted((y for y in breaks if 0 < y < bottom), reverse=True), 0.0]
     nearest = max(NEAREST, NEAREST_Y ** (1 / order))
-    for start, stop in zip(ends, ends[1:], strict=False):
-        span = [max((omega * y) ** (1 / order), nearest) for y in (start, stop)]
-        span = [span[0] * (1 - BESIDE_JUMP), span[1] * (1 + BESIDE_JUMP)]
-        with np.errstate(over="ignore", invalid="ignore"):  # in trial steps that are refused, near |k| = 1
-            solved = solve_ivp(riccati, span, S, "DOP853", rtol=RTOL, atol=ATOL)
-        if not solved.success:
-            raise RuntimeError(f"wavenumber {omega:g}: the Riccati equation does not integrate: {solved.message}")
-        S = solved.y[:, -1]
+    start = max((omega * bottom) ** (1 / order), nearest)
+    span = [start * (1 - BESIDE_JUMP), nearest * (1 + BESIDE_JUMP)]
+    with np.errstate(over="ignore", invalid="ignore"):  # in trial steps that are refused, near |k| = 1
+        solved = solve_ivp(riccati, span, S, "DOP853", rtol=RTOL, atol=ATOL)
+    if not solved.success:
+        raise RuntimeError(f"wavenumber {omega:g}: the Riccati equation does not integrate: {solved.message}")
+    S = solved.y[:, -1]
     S = S - nearest * riccati(nearest, S)  # the slope is constant up to the surface
     return S / (omega * reference)
 
@@ -100,8 +98,7 @@ class LayeredKernel:
 
     def compliance(self, wavenumber):
         """C_xx, C_yy and Im C_xy for an array of wavenumbers [length/stress], shape (3, n)."""
-        breaks = (self.depth,)
-        found = [surface_compliance(self.modulus, self.surface.nu, w, self.depth, self.k, breaks) for w in wavenumber]
+        found = [surface_compliance(self.modulus, self.surface.nu, w, self.depth, self.k) for w in wavenumber]
         return np.stack(found, axis=1)
 
     def _decay(self, omega):

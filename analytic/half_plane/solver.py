@@ -18,7 +18,7 @@ from ..material import GradedHalfPlane
 from ..straight_way import StraightWay
 from .edges import stuck_runs
 from .increment import Increment
-from .interpolation import Interpolant, coefficients_of
+from .interpolation import Interpolant
 from .layout import Layout, first_distance
 from .linear import ContactSets, Data
 from .operator import displacement_of, element_moments
@@ -160,24 +160,22 @@ class HalfPlaneContact:
         x = operator.nodes
         reached = solution.position + strain * x
         stuck = x[stuck_runs(solution, self._friction(normal_stage))]
-        q = Interpolant(x, coefficients_of(operator.of_traction, solution.traction))
-        p = Interpolant(x, coefficients_of(operator.of_pressure, solution.pressure))
+        q = Interpolant.of(x, operator.of_traction, solution.traction)
+        p = Interpolant.of(x, operator.of_pressure, solution.pressure)
 
-        def position(y):  # holds no matrix of the load step, as parts of it are kept for many
-            _, T, D = element_moments(self.kernel, y, x)
-            u_x = displacement_of(T, q.coefficients)
+        def displacements(y):  # holds no matrix of the load step, as parts of it are kept for many
+            N, T, D = element_moments(self.kernel, y, x)
+            u_x, u_y = displacement_of(T, q.coefficients), displacement_of(N, p.coefficients)
             if self.coupling:
                 u_x += displacement_of(D, p.coefficients)
-            if self.elastic:
-                u_x += self.elastic * q(y)
-            return u_x - solution.delta_x + strain * y
+                u_y -= displacement_of(D, q.coefficients)
+            return u_x, u_y
+
+        def position(y):
+            return displacements(y)[0] + self.elastic * q(y) - solution.delta_x + strain * y
 
         def gap(y):
-            N, _, D = element_moments(self.kernel, y, x)
-            u_y = displacement_of(N, p.coefficients)
-            if self.coupling:
-                u_y -= displacement_of(D, q.coefficients)
-            return self._height(y) + u_y - solution.delta_y
+            return self._height(y) + displacements(y)[1] - solution.delta_y
 
         place, opening = StoredField(x, reached, position), StoredField(x, solution.gap, gap)
         if normal_stage:
@@ -204,7 +202,7 @@ class HalfPlaneContact:
         (p, opening), (q, place) = pressed, sheared
         friction = self.mu * solution.sets.slipping * (solution.pressure + memory.pressure(p.nodes)) / 2
         moved = memory.position(p.nodes) - place.value
-        of_points = Interpolant(p.nodes, coefficients_of(operator.of_pressure, friction)).integral(moved)
+        of_points = Interpolant.of(p.nodes, operator.of_pressure, friction).integral(moved)
         conjugates = solution.delta_y, solution.delta_x, float(operator.weight_q @ (solution.traction * q.nodes))
         before = memory.dissipated_energy
         if normal_stage or memory.way is None:

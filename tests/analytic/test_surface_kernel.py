@@ -6,7 +6,7 @@ import pytest
 from scipy.integrate import quad
 
 from analytic import GradedHalfPlane
-from analytic.half_plane.interpolation import Edges, Interpolant, adapted, coefficients_of, linear
+from analytic.half_plane.interpolation import Edges, Interpolant, adapted, linear
 from analytic.half_plane.operator import SurfaceOperator, element_moments, nodal_integrals
 from analytic.half_plane.surface_kernel import PowerLawKernel
 from analytic.point_force import point_force_displacement, point_force_stress
@@ -161,11 +161,11 @@ def test_interpolation_reproduces_roots_and_cubics():
     edges = Edges.of_zones([[0.0, 2.0]])
     root = adapted(nodes, edges, Edges.of_zones([]), 0.25, 1.0)
     x = np.linspace(1e-4, 0.04, 500)
-    assert Interpolant(nodes, coefficients_of(root, nodes**0.25))(x) == pytest.approx(x**0.25, rel=2e-3)
+    assert Interpolant.of(nodes, root, nodes**0.25)(x) == pytest.approx(x**0.25, rel=2e-3)
     far = x > 4e-3  # elements shorter than a third of the distance from the edge
-    assert Interpolant(nodes, coefficients_of(root, nodes**0.25))(x)[far] == pytest.approx(x[far] ** 0.25, rel=1e-5)
+    assert Interpolant.of(nodes, root, nodes**0.25)(x)[far] == pytest.approx(x[far] ** 0.25, rel=1e-5)
     x = np.linspace(0.06, 0.9, 500)
-    assert Interpolant(nodes, coefficients_of(root, nodes**3 - nodes))(x) == pytest.approx(x**3 - x, rel=1e-12)
+    assert Interpolant.of(nodes, root, nodes**3 - nodes)(x) == pytest.approx(x**3 - x, rel=1e-12)
     assert nodal_integrals(nodes, root) @ nodes**0.25 == pytest.approx(0.8, rel=1e-4)
-    straight = Interpolant(nodes, coefficients_of(linear(nodes), nodes))
+    straight = Interpolant.of(nodes, linear(nodes), nodes)
     assert straight.integral(nodes**2) == pytest.approx(0.25, rel=1e-12)
