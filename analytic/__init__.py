@@ -1,10 +1,9 @@
-"""Closed-form plane-strain contact and fretting of power-law graded half-planes.
+"""Plane-strain contact and fretting of power-law graded half-planes: closed forms, and two mesh-free solvers.
 
 Numbers in brackets are the equations of Heß, Giesa, Riechert, Wilhayn, Appl. Sci. 2026, 16(1), 473;
 [X1] ... [X7] mark results beyond the paper. docs/equations.md lists where each is found and tested.
 """
 
-from .abel import PunchSuperposition
 from .bulk_strain import StretchedLoop, StretchedPartialSlip
 from .checks import ContactNotConverged, UndefinedDisplacementError
 from .coupled import CoupledLoop
@@ -19,6 +18,7 @@ from .partial_slip import PartialSlip
 from .point_force import point_force_displacement, point_force_stress
 from .pressing_with_friction import PressingWithFriction
 from .profile import PowerProfile, Profile
+from .punch_superposition import PunchSuperposition
 from .spring_path import SpringPath
 from .tangential import UniformShift, from_displacement, from_traction
 from .two_bodies import GradedPair

@@ -7,12 +7,12 @@ from math import exp, expm1, log
 import numpy as np
 from scipy.optimize import brentq
 
-from .abel import PunchSuperposition
 from .checks import require, require_positive_k
 from .cylinder import CylinderContact
 from .fretting import TangentiallyLoaded
 from .material import GradedHalfPlane
 from .profile import PowerProfile, Profile, abel_factor, density_power, load_of
+from .punch_superposition import PunchSuperposition
 from .quadrature import plain_rule
 from .special import punch_rigid_factor
 

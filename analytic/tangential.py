@@ -6,11 +6,11 @@ from math import gamma, pi, sqrt
 
 import numpy as np
 
-from .abel import PunchSuperposition
 from .checks import require, require_positive_k
 from .cumulative import beta_fraction
 from .material import GradedHalfPlane
 from .profile import Profile, abel_factor, density_power
+from .punch_superposition import PunchSuperposition
 from .quadrature import nodes_for, two_sided_rule
 from .special import punch_displacement, punch_relative_displacement, punch_rigid_factor
 
@@ -33,11 +33,11 @@ class UniformShift:
         """q(x) [stress], (12); infinite at |x| = a for Q ≠ 0, zero beyond."""
         k = self.solid.k
         x = np.abs(np.asarray(x, dtype=float))
-        depth = np.where(x < self.a, (self.a - x) / self.a * ((self.a + x) / self.a), 1.0)
+        depth = np.maximum(self.a - x, 0) / self.a * ((self.a + x) / self.a)
         centre = gamma(1 + k / 2) * self.Q / (sqrt(pi) * gamma((1 + k) / 2) * self.a)
-        edge = np.copysign(np.inf, self.Q) if self.Q else 0.0
-        beyond = np.where(x == self.a, edge, np.where(x > self.a, 0.0, x))  # nan where x is
-        return np.where(x < self.a, centre * depth ** ((k - 1) / 2), beyond)[()]
+        with np.errstate(divide="ignore"):
+            q = centre * depth ** ((k - 1) / 2) if self.Q else 0 * x
+        return np.where(x > self.a, 0.0, q)[()]
 
     def traction_within(self, x):
         """∫_{-x}^{x} q dx [stress x length]; odd in x."""

@@ -15,7 +15,6 @@ from scipy.optimize import brentq
 
 from ..checks import ContactNotConverged, require_partial_slip
 from ..material import GradedHalfPlane
-from ..straight_way import StraightWay
 from .edges import stuck_runs
 from .increment import Increment
 from .interpolation import Interpolant
@@ -24,6 +23,7 @@ from .linear import ContactSets, Data
 from .operator import displacement_of, element_moments
 from .state import ContactState, Memory, PiecewiseField, StoredField
 from .surface_kernel import PowerLawKernel, SurfaceKernel
+from .work import worked
 
 COARSE_MARGIN, MARGIN = 0.1, 0.01  # nodes beyond the contact over its width: while the edges are sought, and then
 SOUGHT = 2e-3  # motion of the edges over the width of the contact, below which all nodes are used
@@ -186,35 +186,13 @@ class HalfPlaneContact:
             slip = np.where(solution.stuck, memory.slip(x), reached - reference(x))
             new = StoredField(x, slip, lambda y: position(y) - reference(y))
             slip_field = PiecewiseField.kept_in(stuck, memory.slip, new)
-        energy, begun, way = self._worked(memory, operator, solution, load, normal_stage, (p, opening), (q, place))
+        energy, begun, way = worked(self.mu, memory, operator, solution, load, normal_stage, (p, opening), (q, place))
         state = ContactState(
             P, Q, strain, x, operator.weight, operator.weight_q,
             solution.pressure, solution.traction, slip, solution.gap,
             layout.contact, layout.stick, layout.zones, energy, solution.delta_x, solution.delta_y,
         )
         return Memory(state, layout, slip_field, reference, p, q, opening, way, begun, memory.directions(load))
-
-    def _worked(self, memory, operator, solution, load, normal_stage, pressed, sheared):
-        """Frictional work so far, that before the present straight way of the loads, and that way.
-
-        pressed, sheared: pressure and traction now, each with where it moves the surface.
-        """
-        (p, opening), (q, place) = pressed, sheared
-        friction = self.mu * solution.sets.slipping * (solution.pressure + memory.pressure(p.nodes)) / 2
-        moved = memory.position(p.nodes) - place.value
-        of_points = Interpolant.of(p.nodes, operator.of_pressure, friction).integral(moved)
-        conjugates = solution.delta_y, solution.delta_x, float(operator.weight_q @ (solution.traction * q.nodes))
-        before = memory.dissipated_energy
-        if normal_stage or memory.way is None:
-            way = StraightWay(self.mu, operator.is_coupled, (load,), (conjugates,))
-            return before + of_points, before + of_points, way
-        loss = _loss(memory.traction, memory.position, q, place)
-        if operator.is_coupled:
-            loss += _loss(memory.pressure, memory.gap, p, opening)
-        start = memory.way.towards(load)
-        begun = memory.begun if start is memory.way else before
-        way = start.to(load, conjugates, loss, of_points)
-        return max(begun + way.work, before), begun, way  # with more states of the way its work may be less
 
     def _friction(self, normal_stage):
         return self.mu if self.friction_in_normal_stage or not normal_stage else 0.0
@@ -247,12 +225,6 @@ class HalfPlaneContact:
         while excess(high) < 0:
             high += 5
         return flat + exp(brentq(excess, low, high))
-
-
-def _loss(traction_before: Interpolant, before, traction: Interpolant, now) -> float:
-    """What a traction loses in an increment by its mean before and after; before, now: where it moves the surface."""
-    parts = (part.integral(before(part.nodes) - now(part.nodes)) for part in (traction_before, traction))
-    return sum(parts) / 2
 
 
 def _initial_sets(x, layout, previous):
