@@ -32,10 +32,8 @@ class StretchedPartialSlip:
 
     @property
     def contact(self) -> CylinderContact:
-        """Normal contact."""
-        contact = self.state.contact
-        assert isinstance(contact, CylinderContact)  # StretchedLoop refuses others
-        return contact
+        """Normal contact; StretchedLoop refuses others."""
+        return self.state.contact
 
     @property
     def c(self):
