@@ -156,8 +156,7 @@ def read(arguments: list[str]) -> Namespace:
     given = parser.parse_args(arguments)
     if given.repeats < 1:
         raise SceneError(f"--repeats {given.repeats} is not allowed: an integer ≥ 1")
-    make_folders(given, "ablation.md")
-    return given
+    return make_folders(given, "ablation.md")
 
 
 if __name__ == "__main__":

@@ -73,8 +73,7 @@ def read(arguments: list[str]) -> Namespace:
     refuse_changed(given.folder)
     given.scene = read_scene(given.folder)
     given.output = given.output or given.folder
-    make_folders(given)
-    return given
+    return make_folders(given)
 
 
 if __name__ == "__main__":

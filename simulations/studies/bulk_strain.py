@@ -24,7 +24,8 @@ def loop(k: float, strain: float) -> StretchedLoop:
 
 def main(arguments: list[str]):
     """Three pictures of the closed form [X7]."""
-    given = on_root(lambda: read(arguments))
+    parser = study_parser("bulk_strain", __doc__, output="results/bulk_strain")
+    given = on_root(lambda: make_folders(parser.parse_args(arguments)))
     if comm.rank != 0:
         return
     with style():
@@ -108,13 +109,6 @@ def tension(k: float, strain: float, depth: float, frictionless: bool) -> float:
         return largest_tension(state, depth)
     of_pressure = StretchedPartialSlip(PartialSlip(state.contact, MU, 0.0, 0.0), 0.0)
     return largest_tension(of_pressure, depth) + state.contact.solid.modulus(depth) * strain / (1 - NU**2)
-
-
-def read(arguments: list[str]):
-    """The checked command line."""
-    given = study_parser("bulk_strain", __doc__, output="results/bulk_strain").parse_args(arguments)
-    make_folders(given)
-    return given
 
 
 if __name__ == "__main__":

@@ -1,7 +1,5 @@
 """Check the paper's sentences on its results one by one:  python -m simulations.studies.claims [--page FILE.md]."""
 
-from argparse import Namespace
-
 from ..command.command import comm, on_root, run, say
 from ..output.files import write_text
 from .commandline import make_folders, study_parser
@@ -43,7 +41,8 @@ difference vanishes at the Holl ratio, ν = 1/(2+k): 0.5 at k = 0, 0.43 at 0.3, 
 
 def main(arguments: list[str]):
     """Check every sentence, print the table, and write it as a page where one is asked for."""
-    page = on_root(lambda: read(arguments)).page
+    parser = study_parser("claims", __doc__, page="the table")
+    page = on_root(lambda: make_folders(parser.parse_args(arguments))).page
     say("closed forms and mesh-free loops")
     found = differences(comm)
     say("finite elements at the paper's pairs")
@@ -64,13 +63,6 @@ def friction_line() -> str:
     text = f"\nThe difference in slip and traction grows with μ, that in energy hardly does: at {COUPLED.name}, "
     elsewhere = "[coupling.md](coupling.md) takes other measures of slip and energy."
     return minus_signs(f"{text}{'; '.join(words)}.\n{elsewhere}\n")
-
-
-def read(arguments: list[str]) -> Namespace:
-    """The checked command line; SceneError where it is wrong."""
-    given = study_parser("claims", __doc__, page="the table").parse_args(arguments)
-    make_folders(given)
-    return given
 
 
 if __name__ == "__main__":

@@ -33,24 +33,24 @@ def asked_for(given: Namespace, items: list[Item], store: str) -> list[Item]:
     return found
 
 
-def make_folders(given: Namespace, page: str | None = None):
-    """The folders of --output and --page, once everything else is checked; SceneError where one cannot be written, and
-    then none is made.
+def make_folders(given: Namespace, page: str | None = None) -> Namespace:
+    """``given`` with the folders of --output and --page made, once everything else is checked; SceneError where one
+    cannot be written, and then none is made.
 
     page: name of the page in --output where --page names none.
     """
     if page is not None and given.page is None:
         given.page = given.output / page
     made = [] if getattr(given, "output", None) is None else writable(given.output)
-    if getattr(given, "page", None) is None:
-        return
     try:
-        if given.page.is_dir():
-            raise SceneError(f"--page {given.page} is not allowed: a folder, not a file")
-        writable(given.page.parent, "--page")
+        if getattr(given, "page", None) is not None:
+            if given.page.is_dir():
+                raise SceneError(f"--page {given.page} is not allowed: a folder, not a file")
+            writable(given.page.parent, "--page")
     except SceneError:
         remove_empty(made)
         raise
+    return given
 
 
 def read_map(arguments: list[str], name: str, description: str | None, values: tuple[int, int]) -> Namespace:
@@ -60,5 +60,4 @@ def read_map(arguments: list[str], name: str, description: str | None, values: t
     given = parser.parse_args(arguments)
     if min(given.values) < 2:
         raise SceneError(f"--values {' '.join(map(str, given.values))} is not allowed: two integers ≥ 2")
-    make_folders(given)
-    return given
+    return make_folders(given)

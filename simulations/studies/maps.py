@@ -164,8 +164,7 @@ def read(arguments: list[str]) -> Namespace:
                 raise SceneError(f"--{name} {value:g} is not allowed: a number, {low:g} < value < {high:g}")
     given.k = sorted({*given.k, 0.0})
     given.amplitudes, given.profiles = sorted(set(given.amplitudes)), sorted(set(given.profiles))
-    make_folders(given, "maps.md")
-    return given
+    return make_folders(given, "maps.md")
 
 
 if __name__ == "__main__":
