@@ -1,5 +1,7 @@
 """Check the paper's sentences on its results one by one:  python -m simulations.studies.claims [--page FILE.md]."""
 
+import math
+
 from ..command.command import comm, on_root, run, say
 from ..output.files import write_text
 from .commandline import make_folders, study_parser
@@ -58,8 +60,8 @@ def main(arguments: list[str]):
 
 def friction_line() -> str:
     """How the difference of the paper's coupled pair depends on mu."""
-    found = [difference(COUPLED.k, COUPLED.nu, mu) for mu in FRICTION]
-    words = [f"μ = {d.mu:g}: {d.slip:.1%} / {d.traction:.1%} / {d.energy:+.1%}" for d in found if d is not None]
+    found = {mu: difference(COUPLED.k, COUPLED.nu, mu) for mu in FRICTION}
+    words = [f"μ = {mu:g}: {one.in_per_cent()}" for mu, one in found.items() if not math.isnan(one.slip)]
     text = f"\nThe difference in slip and traction grows with μ, that in energy hardly does: at {COUPLED.name}, "
     elsewhere = "[coupling.md](coupling.md) takes other measures of slip and energy."
     return minus_signs(f"{text}{'; '.join(words)}.\n{elsewhere}\n")

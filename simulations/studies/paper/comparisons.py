@@ -59,8 +59,8 @@ def slip_at_A(runs: Runs, pair: Pair, panel: str = ""):
     field = runs.loop(pair.k, pair.nu, AMPLITUDE, coupling=True).states["A"]
     under = np.flatnonzero(np.abs(field.x) <= 1)
     closed = closed_field(normal, loop, field.x[under], loop.Q_A, "unloading")["slip"]
-    at = (field.weight[under], -field.slip[under], closed)
-    return field, under, Deviation.of(panel, pair.name, "slip", pair.is_decoupled, *at)
+    values = field.weight[under], -field.slip[under], closed
+    return field, under, Deviation.of(panel, pair.name, "slip", pair.is_decoupled, *values)
 
 
 def traction_at(runs: Runs, pair: Pair, state: str, panel: str = ""):
@@ -69,8 +69,8 @@ def traction_at(runs: Runs, pair: Pair, state: str, panel: str = ""):
     share, branch = STATES[state]
     field = runs.loop(pair.k, pair.nu, AMPLITUDE, coupling=True).states[state]
     closed = closed_field(normal, loop, field.x, share * loop.Q_A, branch)["traction"]
-    at = (field.weight, field.traction, closed)
-    return field, Deviation.of(panel, f"{pair.name}, {state}", "traction", pair.is_decoupled, *at)
+    name, values = f"{pair.name}, {state}", (field.weight, field.traction, closed)
+    return field, Deviation.of(panel, name, "traction", pair.is_decoupled, *values)
 
 
 def figure10(runs: Runs):

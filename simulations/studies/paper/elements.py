@@ -1,6 +1,7 @@
 """Finite-element runs for the figures, each made once, and how far they are from the closed forms."""
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
@@ -79,32 +80,25 @@ class Runs:
 
     def __init__(self, comm, overrides: dict | None = None):
         self.comm, self.overrides = comm, overrides or {}
-        self._kept: dict = {}
 
+    @cache
     def monotone(self, k: float) -> dict[float, Field]:
         """Fields at Q = share mu P for the SHARES, evenly spaced, of one monotone loading without coupling."""
-        key = ("monotone", k)
-        if key not in self._kept:
-            scene = self._scene(k, NU, SHARES[-1], coupling=False, cycles=0, increments=len(SHARES))
-            simulation = Simulation(self.comm, scene, self._cells(scene)).run_to_end()
-            loaded = [e for e in simulation.history.entries if e.step.branch == "initial"]
-            fields = [_field(entry, simulation) for entry in loaded]
-            self._kept[key] = dict(zip(SHARES, fields, strict=True))
-        return self._kept[key]
+        scene = self._scene(k, NU, SHARES[-1], coupling=False, cycles=0, increments=len(SHARES))
+        simulation = Simulation(self.comm, scene, _cells(scene)).run_to_end()
+        fields = [_field(entry, simulation) for entry in simulation.history.entries if entry.step.branch == "initial"]
+        return dict(zip(SHARES, fields, strict=True))
 
+    @cache
     def loop(self, k: float, nu: float, amplitude: float, coupling: bool) -> Loop:
         """A full cycle after the first loading."""
-        key = ("loop", k, nu, amplitude, coupling)
-        if key not in self._kept:
-            scene = self._scene(k, nu, amplitude, coupling, cycles=1, increments=6)
-            simulation = Simulation(self.comm, scene).run_to_end()
-            states = {}
-            for entry in simulation.history.entries:  # A is the end of the first loading, not of the cycle
-                if entry.step.state and entry.step.state not in states:
-                    states[entry.step.state] = _field(entry, simulation)
-            energy = simulation.history.dissipated_energy / _own_units(simulation).energy
-            self._kept[key] = Loop(states, energy)
-        return self._kept[key]
+        scene = self._scene(k, nu, amplitude, coupling, cycles=1, increments=6)
+        simulation = Simulation(self.comm, scene).run_to_end()
+        states: dict[str, Field] = {}
+        for entry in simulation.history.entries:  # A is the end of the first loading, not of the cycle
+            if entry.step.state and entry.step.state not in states:
+                states[entry.step.state] = _field(entry, simulation)
+        return Loop(states, simulation.history.dissipated_energy / _own_units(simulation).energy)
 
     def _scene(self, k, nu, amplitude, coupling, cycles, increments) -> Scene:
         scene = {
@@ -122,12 +116,12 @@ class Runs:
         }
         return make_scene(scene | self.overrides, base=None)
 
-    def _cells(self, scene) -> Grading:
-        """Cells graded to the stick edges of every share, not of the last alone."""
-        contact = Scaled.of(scene).contact
-        edges = [contact.fretting(MU, z=1 - share).c for share in SHARES] + [contact.a]
-        edges = sorted([*edges, *(-e for e in edges)])
-        return Grading(edges=tuple(edges), **scene.cell_sizes)
+
+def _cells(scene) -> Grading:
+    """Cells graded to the stick edges of every share, not of the last alone."""
+    contact = Scaled.of(scene).contact
+    edges = [contact.fretting(MU, z=1 - share).c for share in SHARES] + [contact.a]
+    return Grading(edges=tuple(sorted([*edges, *(-edge for edge in edges)])), **scene.cell_sizes)
 
 
 def _own_units(simulation: Simulation) -> Units:
