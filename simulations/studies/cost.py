@@ -21,11 +21,13 @@ from .store import Store
 
 MARK = "measured: "  # before the line that a case's own process prints
 ADOPTED = "adopted"  # key of a row that was in the table before
+NAMED = ("study", "problem", "level", "ranks", "tolerance")  # fields of a case, known before it is measured
 FIELDS = (
-    "study problem level ranks tolerance unknowns surface_nodes increments iterations wall_s cpu_s factorisation_cpu_s "
+    *NAMED,
+    *"unknowns surface_nodes increments iterations wall_s cpu_s factorisation_cpu_s "
     "memory_gib pressure traction slip a c dissipated_energy largest largest_of_states "
-    "pressure_of_states traction_of_states slip_of_states failure"
-).split()
+    "pressure_of_states traction_of_states slip_of_states failure".split(),
+)
 TEXTS = ("study", "problem", "level", "failure")
 
 
@@ -47,7 +49,7 @@ def main(arguments: list[str]):
     run_all([item_of(case) for case in given.cases], measured_apart, store, tell=say)
     kept = store.read()
     everything = [(case, kept.get(item_of(case).key)) for case in cases()]
-    write_rows(path, [named(case) | row for case, row in everything if row is not None])
+    write_rows(path, [{name: getattr(case, name) for name in NAMED} | row for case, row in everything if row])
     rows = read_rows(path)
     if given.calibrate:
         measured = {case.name for case, row in everything if row is not None and not row.get(ADOPTED)}
@@ -81,12 +83,6 @@ def item_of(case: Case) -> Item:
     return Item(case.name, asdict(case))
 
 
-def named(case: Case) -> Row:
-    """What the table says of a case before it is measured."""
-    values = asdict(case)
-    return {name: values[name] for name in ("study", "problem", "level", "ranks", "tolerance")}
-
-
 def adopt(path: Path, store: Store):
     """A table without its store, as docs/cost has it, counts as measured: all of its rows, or none after a stop."""
     if store.path.exists() or not path.exists():
@@ -95,9 +91,8 @@ def adopt(path: Path, store: Store):
     with on_disk(store.path) as partial:
         partial.write_bytes(b"")
         for row in read_rows(path):
-            case = known.get(name_of(row))
-            if case is not None:
-                measured = {name: value for name, value in row.items() if value != "" and name not in named(case)}
+            if case := known.get(name_of(row)):
+                measured = {name: value for name, value in row.items() if value != "" and name not in NAMED}
                 item = item_of(case)
                 Store(partial).keep(item.key, item.values, measured | {ADOPTED: True})
 
@@ -109,7 +104,7 @@ def name_of(row: Row) -> str:
 
 def read_rows(path: Path) -> list[Row]:
     """Rows of a table, numbers as numbers."""
-    return [{name: _number(name, value) for name, value in row.items()} for row in rows_of(path)]
+    return [{name: text if name in TEXTS or not text else float(text) for name, text in r.items()} for r in rows_of(path)]
 
 
 def calibrate(rows: list[dict]):
@@ -133,10 +128,6 @@ def calibrate(rows: list[dict]):
         row |= {"error": "" if math.isnan(states) else f"{states:.2e}", "last": f"{last:.2e}"}
         table.append(row | {"seconds": f"{seconds:.2f}"})
     write_table(accuracy.TABLE, table)
-
-
-def _number(name: str, text: str):
-    return text if name in TEXTS or not text else float(text)
 
 
 def write_rows(path: Path, rows: list[Row]):

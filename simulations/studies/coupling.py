@@ -111,9 +111,8 @@ def _interpolated(rows, name, mu, k, nu, fine_k, fine_nu):
 def _draw(folder, rows, k, nu):
     holl, fine_k, fine_nu = np.linspace(0, K[1], 101), np.linspace(*K, 121), np.linspace(*NU, 101)
     with style():
-        figure, axes = plt.subplots(
-            len(FRICTION), len(SHOWN), figsize=(13, 9), sharex=True, sharey=True, layout="constrained"
-        )
+        shape = len(FRICTION), len(SHOWN)
+        figure, axes = plt.subplots(*shape, figsize=(13, 9), sharex=True, sharey=True, layout="constrained")
         for line, mu in zip(axes, FRICTION, strict=True):
             for axis, name in zip(line, SHOWN, strict=True):
                 share = _interpolated(rows, name, mu, k, nu, fine_k, fine_nu)

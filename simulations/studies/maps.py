@@ -1,5 +1,6 @@
 """Map the energy that fretting dissipates over grading, load and profile:  python -m simulations.studies.maps."""
 
+import itertools
 import os
 from argparse import Namespace
 from collections.abc import Iterable
@@ -22,13 +23,7 @@ EXPONENTS = tuple(round(0.1 * i, 1) for i in range(-6, 9))
 AMPLITUDES = (0.2, 0.4, 0.6, 0.8, 0.95)
 PROFILES = (1.5, 2.0, 4.0)
 FINE = tuple(float(k) for k in np.round(np.linspace(-0.8, 0.9, 69), 3))  # of the theory's maps
-RANGES = {  # what the options take: open interval
-    "k": (-1.0, 1.0),
-    "amplitudes": (0.0, 1.0),
-    "profiles": (1.0, 20.0),
-    "nu": (-1.0, 0.5),
-    "mu": (0.0, 10.0),
-}
+RANGES = {"k": (-1, 1), "amplitudes": (0, 1), "profiles": (1, 20), "nu": (-1, 0.5), "mu": (0, 10)}  # open intervals
 INTRODUCTION = """\
 ν = {nu:g}, μ = {mu:g}. Made by `./docker/run python -m simulations.studies.maps`; `--help` names the options. The ends
 of the range of k that was searched are where most of the extremes lie: there the table says which way to go, not how
@@ -49,12 +44,8 @@ def main(arguments: list[str]):
     on_root(lambda: theory_pictures(given))
     if given.theory_only:
         return
-    points = [
-        Point(k, amplitude, m, given.nu, given.mu)
-        for m in given.profiles
-        for amplitude in given.amplitudes
-        for k in given.k
-    ]
+    grid = itertools.product(given.profiles, given.amplitudes, given.k)
+    points = [Point(k, amplitude, m, given.nu, given.mu) for m, amplitude, k in grid]
     items = [Item(f"k = {p.k:g}, Q_A = {p.amplitude:g} μP, |x|^{p.m:g}", vars(p)) for p in points]
     rows = run_on(comm, items, _loop, Store(given.output / "loops.jsonl"), say)
     if rows is None:

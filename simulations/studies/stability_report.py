@@ -55,13 +55,8 @@ def table(rows: list[dict]) -> str:
         solved = [case for case in cases if "iterations" in case]
         mean = sum(c["iterations"] for c in solved) / max(sum(c["increments"] for c in solved), 1)
         worst = [_largest(solved, f"error {error}") for error in ("pressure_l2", "traction_l2", "dissipated_energy")]
-        numbers = [
-            len(cases),
-            *(count[o] for o in OUTCOMES),
-            f"{mean:.1f}",
-            sum(c["cuts"] for c in solved),
-            *worst,
-        ]
+        cuts = sum(case["cuts"] for case in solved)
+        numbers = [len(cases), *(count[outcome] for outcome in OUTCOMES), f"{mean:.1f}", cuts, *worst]
         lines.append(f"| {name} | " + " | ".join(map(str, numbers)) + " |")
     lines += ["", "| not green | how it ended | why | friction beside the critical one | what a user can do |"]
     lines.append("|---|---|---|---|---|")

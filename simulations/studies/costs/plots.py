@@ -40,16 +40,10 @@ def draw(rows: list[dict], folder: Path) -> list[Path]:
     """Write every figure that the rows suffice for, as PNG and SVG; the files written."""
     rows = [row for row in rows if not row.get("failure")]
     written = []
-    for name, figure in (
-        ("work_precision", work_precision),
-        ("rates", rates),
-        ("sources", sources),
-        ("pareto", pareto),
-        ("coupled", coupled),
-    ):
+    for figure in (work_precision, rates, sources, pareto, coupled):
         with style():
             drawn = figure(rows)
-            written += [] if drawn is None else save(drawn, folder, name, ("png", "svg"))
+            written += [] if drawn is None else save(drawn, folder, figure.__name__, ("png", "svg"))
     return written
 
 
@@ -90,36 +84,22 @@ def rates(rows):
     if not found:
         return None
     problems = [problem for problem in UNCOUPLED if any(row["problem"] == problem for row in found)]
-    figure, axes = plt.subplots(
-        1, len(problems), figsize=(3.3 * len(problems), 3.6), sharey=True, layout="constrained", squeeze=False
-    )
-    for axis, problem in zip(axes[0], problems):
-        for degree, marker in (("1", "o"), ("2", "s"), ("3", "^")):
-            mine = [row for row in found if row["problem"] == problem and row["level"].startswith(degree)]
+    figure, axes = _row_of_panels(problems, 3.3 * len(problems), 3.6)
+    for axis, problem in zip(axes, problems):
+        for degree, marker, colour in ((1, "o", BLUE), (2, "s", RED), (3, "^", GREEN)):
+            mine = [row for row in found if row["problem"] == problem and row["level"].startswith(str(degree))]
             points = sorted((float(row["level"].partition(":")[2]), row["pressure"]) for row in mine)
             if len(points) > 1:
                 h, error = map(np.array, zip(*points))
-                (line,) = axis.loglog(
-                    h,
-                    error,
-                    marker=marker,
-                    color=(BLUE, RED, GREEN)[int(degree) - 1],
-                    label=f"degree {degree}",
-                )
-                rate = np.polyfit(np.log(h), np.log(error), 1)[0]
-                axis.annotate(
-                    f"{rate:.1f}",
-                    (h[0], error[0]),
-                    textcoords="offset points",
-                    xytext=(-4, -12),
-                    color=line.get_color(),
-                )
-                axis.loglog(h, error[-1] * (h / h[-1]) ** int(degree), ":", color=line.get_color(), linewidth=1)
+                axis.loglog(h, error, marker=marker, color=colour, label=f"degree {degree}")
+                rate, place = np.polyfit(np.log(h), np.log(error), 1)[0], (h[0], error[0])
+                axis.annotate(f"{rate:.1f}", place, textcoords="offset points", xytext=(-4, -12), color=colour)
+                axis.loglog(h, error[-1] * (h / h[-1]) ** degree, ":", color=colour, linewidth=1)
         axis.set(title=UNCOUPLED[problem][-1], xlabel="facet / a [-]")
         axis.xaxis.set_minor_formatter(NullFormatter())
-    axes[0][0].set_ylabel("relative error of p (L2) [-]")
-    axes[0][0].plot([], [], "k:", label="order = degree")
-    axes[0][0].legend(fontsize=8)
+    axes[0].set_ylabel("relative error of p (L2) [-]")
+    axes[0].plot([], [], "k:", label="order = degree")
+    axes[0].legend(fontsize=8)
     return figure
 
 
@@ -131,24 +111,21 @@ def sources(rows):
     problems = [problem for problem in UNCOUPLED if (problem, "centre") in found]
     if not problems:
         return None
-    figure, axes = plt.subplots(
-        1, len(problems), figsize=(max(3.3 * len(problems), 7.0), 3.8), sharey=True, layout="constrained", squeeze=False
-    )
+    figure, axes = _row_of_panels(problems, max(3.3 * len(problems), 7.0), 3.8)
     colours = (BLUE, SKY, GREEN, RED, BLACK)
-    for axis, problem in zip(axes[0], problems):
+    for axis, problem in zip(axes, problems):
         centre = found[problem, "centre"]
         for number, (source, keys) in enumerate(SOURCES.items()):
-            finer = [_finest(found, problem, key) for key in keys]
-            heights = [max([abs(row[q] - centre[q]) for row in finer if row] + [FLOOR]) for q in QUANTITIES]
+            finer = [row for key in keys for row in _finest(found, problem, key)]
+            heights = [max([abs(row[q] - centre[q]) for row in finer] + [FLOOR]) for q in QUANTITIES]
             axis.bar(np.arange(len(heights)) + 0.16 * (number - 2), heights, 0.16, color=colours[number], label=source)
-        axis.plot(
-            np.arange(len(QUANTITIES)), [centre[q] for q in QUANTITIES], "k_", markersize=26, label="error itself"
-        )
+        own = [centre[q] for q in QUANTITIES]
+        axis.plot(np.arange(len(own)), own, "k_", markersize=26, label="error itself")
         axis.set(title=UNCOUPLED[problem][-1], yscale="log", ylim=(FLOOR, 1e-1))
         axis.set_xticks(np.arange(len(QUANTITIES)), QUANTITIES.values())
         axis.grid(False, axis="x")
-    axes[0][0].set_ylabel("change of the relative error [-]")
-    handles, labels = axes[0][0].get_legend_handles_labels()
+    axes[0].set_ylabel("change of the relative error [-]")
+    handles, labels = axes[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=3, fontsize=8)
     return figure
 
@@ -167,9 +144,8 @@ def pareto(rows):
         if points:
             colour, marker, label = UNCOUPLED[problem]
             axis.loglog(*zip(*points), marker, color=colour, alpha=0.3, markersize=4)
-            front = [
-                point for i, point in enumerate(points) if point[1] < min((p[1] for p in points[:i]), default=np.inf)
-            ]
+            best = np.minimum.accumulate([np.inf, *(error for _, error in points)])
+            front = [point for point, before in zip(points, best) if point[1] < before]
             axis.loglog(*zip(*front), marker + "-", color=colour, label=label)
     peer = [(row["cpu_s"], row["largest"]) for row in rows if row["problem"] == "GetFEM"]
     if peer:
@@ -197,12 +173,14 @@ def _lines(rows, problems):
 
 
 def _finest(found, problem, key):
-    """The row of ``key``'s level that is furthest on the accurate side of the default, None if there is none."""
-    mine = [
-        (float(level.partition("=")[2]), row)
-        for (p, level), row in found.items()
-        if p == problem and level.startswith(key + "=")
-    ]
-    if not mine:
-        return None
-    return (max if key in ("mesh.extent", "solver.increments") else min)(mine, key=lambda pair: pair[0])[1]
+    """A list of the row of ``key``'s level that is furthest on the accurate side of the default, empty without one."""
+    levels = [level for one, level in found if one == problem and level.startswith(key + "=")]
+    levels.sort(key=lambda level: float(level.partition("=")[2]), reverse=key in ("mesh.extent", "solver.increments"))
+    return [found[problem, level] for level in levels[:1]]
+
+
+def _row_of_panels(problems, width, height):
+    """A figure, and an axis for each problem."""
+    size = (width, height)
+    figure, axes = plt.subplots(1, len(problems), figsize=size, sharey=True, layout="constrained", squeeze=False)
+    return figure, axes[0]
