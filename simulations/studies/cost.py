@@ -104,7 +104,10 @@ def name_of(row: Row) -> str:
 
 def read_rows(path: Path) -> list[Row]:
     """Rows of a table, numbers as numbers."""
-    return [{name: text if name in TEXTS or not text else float(text) for name, text in r.items()} for r in rows_of(path)]
+    rows: list[Row] = [*rows_of(path)]
+    for row in rows:
+        row |= {name: float(text) for name, text in row.items() if text and name not in TEXTS}
+    return rows
 
 
 def calibrate(rows: list[dict]):

@@ -29,8 +29,7 @@ def test_page_holds_the_rows_found_now():
 def test_cells_of_the_coupling_table(k, nu):
     """A cell regenerated: zero at the Holl ratio, slip 16 per cent at the paper's other pair."""
     found = difference(k, nu)
-    cell = f"{found.slip:.1%} / {found.traction:.1%} / {found.energy:+.1%}".replace("%", "")
-    cell = minus_signs(cell)
+    cell = minus_signs(found.in_per_cent().replace("%", ""))
     (row,) = [line for line in PAGE.splitlines() if line.startswith(f"| {k:g} |") and " / " in line]
     assert row.split(" | ")[1 + TABLE_NU.index(nu)].strip(" |") == cell
     if nu == 0.4:

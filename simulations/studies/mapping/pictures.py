@@ -44,11 +44,14 @@ def _ratios_over(found, columns, y, title, note, **axis_words):
     for pair, (name, places) in zip(axes.T, columns.items(), strict=True):
         k = sorted({p.k for p in found if any((p.m, p.amplitude) == place[:2] for place in places)})
         for axis, quantity in zip(pair, NAMES, strict=True):
-            table = [_row(ratios(found, quantity, *place), k) for place in places]
-            filled = _fill(axis, k, y, np.array(table))
+            rows = [ratios(found, quantity, *place) for place in places]
+            # a hole in the map where a loop did not converge
+            filled = _fill(axis, k, y, np.array([[row.get(one, np.nan) for one in k] for row in rows]))
             axis.set(xlabel="exponent $k$ [–]", title=name, **axis_words)
+    as_ratio = FuncFormatter(lambda power, _: f"{2.0**power:g}" if power >= 0 else f"1/{2.0**-power:g}")
     for row, words in zip(axes, NAMES.values(), strict=True):
-        _bar(figure, filled, row, f"{words} / homogeneous [–]")
+        bar = figure.colorbar(filled, ax=row.tolist(), label=f"{words} / homogeneous [–]", format=as_ratio)
+        bar.set_ticks(np.log2(LEVELS))
     return figure
 
 
@@ -72,11 +75,6 @@ def coupling_effect(found: dict[Point, Energies], theory: dict[Point, Energies],
         axis.grid(False)
     figure.colorbar(filled, ax=axes[0].tolist(), ticks=CHANGES, label=r"change of $\Delta W$ by coupling [%]")
     return figure
-
-
-def _row(by_k, k):
-    """Values at all k: nan, a hole in the map, where a loop did not converge."""
-    return [by_k.get(one, np.nan) for one in k]
 
 
 def _finer(x, y, table):
@@ -103,12 +101,3 @@ def _fill(axis, k, y, table):
     axis.axvline(0, color=BLACK, lw=2.2)
     axis.grid(False)
     return filled
-
-
-def _bar(figure, filled, axes, label):
-    bar = figure.colorbar(filled, ax=axes.tolist(), label=label, format=FuncFormatter(lambda v, _: _ratio(2.0**v)))
-    bar.set_ticks(np.log2(LEVELS))
-
-
-def _ratio(value):
-    return f"{value:g}" if value >= 1 else f"1/{1 / value:g}"
