@@ -15,7 +15,7 @@ from .checks import MORE_STEPS, Check
 from .comparison import QUANTITIES, OfStates, compare_all, of_history
 from .coupled_loop import serves
 from .history import Entry, History
-from .mesh_free import goes_round, steps_for_one
+from .mesh_free import needs_many_steps, steps_for_one
 from .report_data import Comparison
 from .simulation import Simulation
 
@@ -93,7 +93,7 @@ def judged(
     if errors is None:
         tell("second mesh, for the estimate of the error")
         try:
-            other, ratio = coarser(simulation.body.mesh.comm, simulation.scene)
+            other, ratio = second(simulation.body.mesh.comm, simulation.scene)
             errors = estimated(simulation, other.run_to_end(), ratio)
             dependent = dependent_on_load_steps(simulation)
             if dependent:
@@ -130,17 +130,23 @@ def expectation(scene: Scene) -> str:
     return f"accuracy {scene.solver.accuracy:g}: {sizes}; measured for simpler scenes: the error is said at the end"
 
 
-def coarser(comm, scene: Scene) -> tuple[Simulation, float]:
-    """The same scene on a coarser mesh of the family, not yet run, and what its errors are over those of the
-    scene's mesh.
+def second(comm, scene: Scene) -> tuple[Simulation, float]:
+    """The same scene on another mesh of the family, not yet run, a coarser one where it is allowed; and what its errors
+    are over those of the scene's mesh.
     """
     choice = _choice(scene)
-    levels = accuracy.expected(*_asked(scene))
-    other = min(levels, key=lambda level: abs(np.log(level.fineness / (COARSER_MESH * choice.fineness))))
-    if other.fineness <= choice.fineness:  # already the coarsest: a finer one tells as much
-        other = min(levels, key=lambda level: abs(np.log(level.fineness * COARSER_MESH / choice.fineness)))
-    values = {key: value for key, value in scene.to_keys().items() if key != "solver.accuracy"} | other.mesh
-    return Simulation(comm, make_scene(values, base=None)), other.error / choice.error
+    levels = [level for level in accuracy.expected(*_asked(scene)) if level.fineness != choice.fineness]
+    values = {key: value for key, value in scene.to_keys().items() if key != "solver.accuracy"}
+
+    def on_mesh(times: float) -> tuple[Simulation, float]:
+        """By the level whose fineness is nearest to so many times that of the scene's mesh."""
+        other = min(levels, key=lambda level: abs(np.log(level.fineness / (times * choice.fineness))))
+        return Simulation(comm, make_scene(values | other.mesh, base=None)), other.error / choice.error
+
+    try:
+        return on_mesh(COARSER_MESH)
+    except SceneError:  # as of a slip zone too narrow for it; a finer one tells as much
+        return on_mesh(1 / COARSER_MESH)
 
 
 def estimated(simulation: Simulation, other: Simulation, ratio: float) -> Errors:
@@ -155,12 +161,12 @@ def estimated(simulation: Simulation, other: Simulation, ratio: float) -> Errors
 def dependent_on_load_steps(simulation: Simulation) -> set[str]:
     """Which quantities of a run depend on its load steps, whatever the mesh.
 
-    All where P changes under friction, and where the body's strain lags behind Q; at constant P the energy alone, but
-    with neither coupling nor elastic slip it is exact.
+    All where P changes under friction, and where the error falls more slowly than the load step; else at constant P the
+    energy alone, and with neither coupling nor elastic slip not even that.
     """
     pairs, scene = pairwise(simulation.schedule), simulation.scene
-    turning = any(step.angle or step.P != before.P for before, step in pairs if step.branch != "normal")
-    if turning or "friction in normal stage" in simulation.effects:
+    loaded = any(step.P != before.P for before, step in pairs if step.branch != "normal")
+    if loaded or needs_many_steps(simulation) or "friction in normal stage" in simulation.effects:
         return set(QUANTITIES)
     return {"dissipated_energy"} if "coupling" in simulation.effects or scene.effects.elastic_slip else set()
 
@@ -168,7 +174,7 @@ def dependent_on_load_steps(simulation: Simulation) -> set[str]:
 def of_load_steps(simulation: Simulation) -> Errors:
     """Errors of a finished ``simulation`` from its load steps, estimated with more of them; collective."""
     scene, history = simulation.scene, simulation.history
-    times = steps_for_one(simulation) if goes_round(simulation) else TWICE
+    times = steps_for_one(simulation) if needs_many_steps(simulation) else TWICE
     more = {"solver.increments": times * scene.solver.increments}
     if "friction in normal stage" in simulation.effects:  # else these do not matter
         more["solver.normal_increments"] = TWICE * scene.solver.normal_increments

@@ -21,7 +21,7 @@ NODES = (400, 300)  # the next number is tried where one does not converge
 FINER = 2  # load steps of the reference for one of the run: what depends on the steps is not shared
 STEPS_TO_POINT = 8  # load steps from point to point of a path: with fewer the error does not yet fall like the step
 FEWER_NODES = (200, 150)  # with more load steps: their error is then what counts, and a load step costs a fifth
-STEPS_TO_ARC = 48  # a quarter where Q and strain go round an ellipse: points that turn between two loads turn late
+MANY_STEPS = 48  # load steps a quarter, or to a point of a path, where the error falls more slowly than the load step
 FIRST_CONTACT = 4  # times as many of the first load step under friction, which begins with no contact
 STEPS_SINCE_TURN = 24  # in which the distance from the last turn of Q grows tenfold,
 FIRST_SINCE_TURN = 0.1  # and the first of them over the distance of the first load after the turn
@@ -104,13 +104,18 @@ def _dissipated(states, schedule, pressing: PressingWithFriction | None) -> floa
 def steps_for_one(simulation: Simulation) -> int:
     """Load steps of the reference for one of the simulation."""
     scene = simulation.scene
-    least = STEPS_TO_POINT * scene.is_path or STEPS_TO_ARC * goes_round(simulation)
+    least = MANY_STEPS if needs_many_steps(simulation) else STEPS_TO_POINT * scene.is_path
     return max(FINER, -(-least // scene.solver.increments))
 
 
-def goes_round(simulation: Simulation) -> bool:
-    """Whether Q and the bulk strain go round an ellipse."""
-    return any(step.angle for step in simulation.schedule)
+def needs_many_steps(simulation: Simulation) -> bool:
+    """Whether an error falls more slowly than the load step: the difference from half of the steps is less than it.
+
+    So it is where Q and the bulk strain go round an ellipse, as points that turn between two loads turn late; and with
+    elastic slip where coupling moves the contact.
+    """
+    is_elastic = simulation.scene.effects.elastic_slip is not None
+    return any(step.angle for step in simulation.schedule) or is_elastic and "coupling" in simulation.effects
 
 
 def equal_shares(schedule: Sequence[LoadStep], friction_first: bool, finer: int) -> list[np.ndarray]:

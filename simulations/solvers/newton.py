@@ -26,7 +26,7 @@ SNES_OPTIONS = {
 PREFIX = "fretting_"
 FORCE_TOLERANCE = 1e-9  # force residual and load imbalance / P, where round-off lets them get there
 OVER_ROUND_OFF = 4.0  # residuals are balanced this many times above the last digits' own, measured for k from -0.9 to 0
-SETTLED = 1e-11  # force residual / P above which a balanced state gets one more step: a long first step leaves so much;
+SETTLED = 1e-11  # force residual / P above which a balanced state gets one more step: then ranks do not change numbers;
 # where contact states are at rest it has to be above round-off too
 PATH = "path_max_it", 400  # option: steps at most of a path on which contact states change one by one
 ATTAINABLE = 1e-6  # residual up to which a solve may end that round-off holds up

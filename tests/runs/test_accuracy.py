@@ -11,10 +11,10 @@ from mpi4py import MPI
 from running import run_command
 from solving import deviations
 
-from simulations import run, sweep
+from simulations import fretting, run, sweep
 from simulations.output import results
 from simulations.runs import estimate
-from simulations.runs.checks import ChecksWarning
+from simulations.runs.checks import ChecksFailed, ChecksWarning
 from simulations.runs.comparison import compare_all
 from simulations.runs.reference import of_same_physics
 from simulations.runs.report_data import compared
@@ -167,12 +167,22 @@ def test_estimate_is_no_smaller_than_the_error_and_not_much_larger():
     """Where there is a closed form the estimate of two meshes can be judged."""
     scene = parse(DEFAULT_SCENE, ("solver.accuracy=1e-3",))
     fine = simulated(scene)
-    other, ratio = estimate.coarser(MPI.COMM_SELF, scene)
+    other, ratio = estimate.second(MPI.COMM_SELF, scene)
     errors = estimate.estimated(fine, other.run_to_end(), ratio)
     estimated = max(errors.last.values())
     assert errors.largest > errors.worst["pressure_l2"] >= errors.last["pressure_l2"]
     error = max(map(abs, deviations(fine).values()))
     assert error < estimated < 30 * error
+
+
+def test_second_mesh_is_a_finer_one_where_a_coarser_one_is_refused():
+    """Under a flat the slip zone is narrow beside the contact, whose half-width scales the facets."""
+    flat = {"indenter.profile": "rounded flat", "indenter.flat": 1e-3, "indenter.R": 0.01}
+    homogeneous = {"solid.modulus": "homogeneous", "solid.E0": 70e9, "solid.nu": 0.3, "effects.coupling": False}
+    loop = {"load.P": 2e5, "load.mu": 0.3, "load.amplitude": 0.6, "solver.accuracy": 1e-2}
+    scene = make_scene(flat | homogeneous | loop, base=None)
+    other, _ = estimate.second(MPI.COMM_SELF, scene)
+    assert other.cells.facet < Simulation(MPI.COMM_SELF, scene).cells.facet
 
 
 @pytest.mark.parametrize("points", ["[1e4, 2e3], [6e3, 1e3], [1e4, -1e3]", "[2e4, 5.5e3]"])
@@ -299,14 +309,20 @@ def test_an_accuracy_of_an_unknown_stick_zone_is_not_reached(reference, tmp_path
     assert accuracy_of_run["largest_error_worst_state"] < 2e-2
 
 
-def test_an_accuracy_that_cannot_be_judged_fails_the_run(tmp_path):
-    """The second mesh is too coarse for the narrow slip zone; the run itself is done, and to go on says so again."""
-    arguments = "--set", "load.amplitude=0.1", "--reference", "none", "--accuracy", "0.03", "--quiet"
-    done = run_command(*arguments, "--output", tmp_path / "run")
-    assert done.returncode == 4 and "the error is not known" in done.stderr and "too coarse" in done.stderr
+def test_an_accuracy_that_cannot_be_judged_fails_the_run(tmp_path, monkeypatch):
+    """No second mesh is possible; the run itself is done, and to go on says so again."""
+
+    def refuse(*_):
+        raise SceneError("too coarse")
+
+    monkeypatch.setattr(estimate, "second", refuse)
+    arguments = "--set", "load.cycles=0", "--reference", "none", "--accuracy", "0.03", "--quiet"
+    with pytest.raises(ChecksFailed, match="the error is not known, as the second mesh fails: too coarse"):
+        fretting.main([*arguments, "--output", str(tmp_path / "run")])
     summary = json.loads((tmp_path / "run" / "summary.json").read_text())
     assert summary["accuracy"] == {"wanted": 0.03, "is_within": False}
-    assert run_command("--resume", tmp_path / "run").returncode == 4
+    with pytest.raises(ChecksFailed, match="accuracy"):
+        fretting.main(["--resume", str(tmp_path / "run")])
 
 
 def test_load_steps_are_no_advice_without_friction():

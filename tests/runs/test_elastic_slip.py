@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from mpi4py import MPI
 from solving import coarse_simulation, solved
 
 from analytic import GradedHalfPlane, HalfPlaneContact, PowerLawKernel
@@ -13,6 +14,8 @@ from simulations.runs.energy import EnergyMeter, worst_defect
 from simulations.runs.mesh_free import MeshFree
 from simulations.runs.plan import Plan
 from simulations.runs.reference import neglected, of_same_physics
+from simulations.runs.report_data import find
+from simulations.runs.simulation import Simulation
 from simulations.runs.timing import Stopwatch
 from simulations.scene import make_scene
 
@@ -69,6 +72,22 @@ def test_its_reference_has_it_too(coupling):
     found = compare(simulation.history, reference)
     assert found["pressure_l2"] < 4e-3 and found["traction_l2"] < 6e-3 and found["slip_l2"] < 6e-3
     assert "elastic slip (regularised)" in neglected(simulation)
+
+
+@pytest.mark.slow
+def test_its_stated_error_covers_the_load_steps():
+    """Where coupling moves the contact much the mesh-free solver needs many of them too, to be nearer than the run.
+
+    The energy is that of an independent solver of linear elements, 96 load steps a quarter and 450 to 600 nodes.
+    """
+    loop = {"solid.modulus": "homogeneous", "solid.E0": 210e9, "solid.nu": 0.2, "load.P": 1e6, "load.mu": 0.4}
+    loop |= {"load.amplitude": 0.7, "effects.elastic_slip": 1e-6, "solver.increments": 4}
+    mesh = {"mesh.facet": 0.1, "mesh.edge_facet": 0.01, "mesh.growth": 1.5}
+    simulation = Simulation(MPI.COMM_SELF, make_scene(loop | mesh | {"indenter.R": 0.1}, base=None)).run_to_end()
+    found = find(simulation)
+    error = abs(found.quantities["dissipated_energy"] / 0.08112 - 1)
+    stated = abs(found.exact.deviations["dissipated_energy"])
+    assert 5e-3 < error < stated < 1.5 * error and abs(found.exact.own["dissipated_energy"]) > 1e-3
 
 
 @pytest.mark.parametrize("coupling", [False, True])
