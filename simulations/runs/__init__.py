@@ -1,1 +1,1 @@
-"""A simulation from scene to states; its reference, errors, checks, energy and limits."""
+"""A simulation from scene to states; its reference, errors, checks, energy, limits and warnings."""
