@@ -46,10 +46,11 @@ def test_the_time_left_knows_that_the_reference_has_more_load_steps_on_short_pat
             is_loop=False,
             is_path=True,
             solver=SimpleNamespace(increments=increments),
+            effects=SimpleNamespace(elastic_slip=None),
         )
         watch = SimpleNamespace(seconds={"edges": 0.1 * increments})
         effects = SimpleNamespace(has_closed_form=False, without_reference=foreign)
-        schedule = [None] * 3 * increments
+        schedule = [SimpleNamespace(angle=0.0)] * 3 * increments
         return expected_seconds(SimpleNamespace(scene=scene, effects=effects, schedule=schedule, watch=watch))
 
     assert expected(1) == pytest.approx(expected(4)) == pytest.approx(expected(8) / 2)
