@@ -10,8 +10,9 @@ import platform
 import re
 import shlex
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
+from tempfile import TemporaryFile
 
 import dolfinx
 import gmsh
@@ -71,18 +72,22 @@ def claimed(
     scene_file: the user's, which stays as it is; of_sweep: whether the run is a scene of the sweep in the folder above.
     Nothing is left of a folder in which no run began.
     """
-    claim = None
-
-    def take():
-        nonlocal claim
-        claim = _Claim(folder, scene_file, overwrite, resume, of_sweep)
-
-    on_root(comm, take, SceneError)
-    try:
+    with ExitStack() as held:
+        on_root(comm, lambda: _claim(held, folder, scene_file, overwrite, resume, of_sweep), SceneError)
         yield
-    finally:
-        if claim:
-            claim.release()
+
+
+def _claim(held: ExitStack, folder: Path, scene_file: Path | None, overwrite: bool, resume: bool, of_sweep: bool):
+    """Take the folder until ``held`` ends; nothing is left of a run that was killed while it wrote a file."""
+    held.callback(remove_empty, [] if resume else _missing(folder))
+    held.callback(locked(folder, "--resume" if resume else "--output").release)
+    if not resume:
+        _refuse(folder, scene_file, overwrite, of_sweep)
+    own = (*FILES, lines.NAME, "memory.npz")
+    for path in (folder, *(folder / name for name in FOLDERS)):
+        for partial in path.glob("part.*"):
+            if partial.name.removeprefix("part.") in own or path.name == field_index.FOLDER:
+                partial.unlink()
 
 
 def begin(folder: Path, scene: Scene):
@@ -191,51 +196,21 @@ def writable(folder: Path, option: str = "--output") -> list[Path]:
 
     Returns the folders that were made.
     """
+    missing = _missing(folder)
     try:
-        missing = _missing(folder)
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-            probe = folder / ".write-test"
-            try:
-                with open(probe, "wb") as file:
-                    file.write(bytes(PROBE))
-                    file.flush()
-                    os.fsync(file.fileno())
-            finally:
-                probe.unlink(missing_ok=True)
-        except (OSError, ValueError):
-            remove_empty(missing)
-            raise
-        return missing
-    except FileExistsError as error:
-        place = Path(error.filename)
-        why = f"{shown(place)} is {'a link to what is not there' if place.is_symlink() else 'a file'}, not a folder"
-        raise SceneError(f"{option} {shown(folder)} cannot be written: {why}") from None
+        folder.mkdir(parents=True, exist_ok=True)
+        with TemporaryFile(dir=folder) as probe:
+            probe.write(bytes(PROBE))
+            probe.flush()
+            os.fsync(probe.fileno())
     except (OSError, ValueError) as error:
-        raise SceneError(f"{option} {shown(folder)} cannot be written: {getattr(error, 'strerror', error)}") from None
-
-
-class _Claim:
-    """Rank 0's hold on the folder."""
-
-    def __init__(self, folder: Path, scene_file: Path | None, overwrite: bool, resume: bool, of_sweep: bool):
-        self._missing = [] if resume else _missing(folder)
-        self._lock = locked(folder, "--resume" if resume else "--output")
-        try:
-            if not resume:
-                _refuse(folder, scene_file, overwrite, of_sweep)
-            own = (*FILES, lines.NAME, "memory.npz")
-            for path in (folder, *(folder / name for name in FOLDERS)):
-                for partial in path.glob("part.*"):
-                    if partial.name.removeprefix("part.") in own or path.name == field_index.FOLDER:
-                        partial.unlink()
-        except BaseException:
-            self.release()
-            raise
-
-    def release(self):
-        self._lock.release()
-        remove_empty(self._missing)
+        remove_empty(missing)
+        why = getattr(error, "strerror", error)
+        if isinstance(error, FileExistsError):
+            place = Path(error.filename)
+            why = f"{shown(place)} is {'a link to what is not there' if place.is_symlink() else 'a file'}, not a folder"
+        raise SceneError(f"{option} {shown(folder)} cannot be written: {why}") from None
+    return missing
 
 
 def _missing(folder):
@@ -247,7 +222,7 @@ def _missing(folder):
 def remove_empty(folders: Iterable[Path]):
     """Remove the folders that hold nothing, in this order."""
     for folder in folders:
-        with suppress(OSError):
+        with suppress(OSError, ValueError):
             folder.rmdir()
 
 
