@@ -1,20 +1,19 @@
 """From tables as they are given to typed tables of numbers: what follows from other keys, lengths in half-widths."""
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from math import isfinite
 from typing import Any
 
 import numpy as np
 
-from analytic import GradedHalfPlane, normal_contact
-
 from . import accuracy
 from .errors import SceneError, one_line, shown
 from .fields import allowed, plain
-from .indenter import Shape, named, shape_of
+from .indenter import named, shape_of
 from .output import Output
 from .settings import EffectSwitches, Mesh, Reference, Solver, switches
-from .solid import is_decoupled
+from .solid import homogeneous_half_width, is_decoupled
 from .steepness import look_at
 from .table import KINDS, Table, fields, model_for, unknown
 from .tables import ONE_OF_TWO, TANGENTIAL, AnyIndenter, AnyLoad, AnySolid
@@ -104,16 +103,11 @@ def _in_metres(solid: AnySolid, indenter: AnyIndenter, load: AnyLoad) -> AnySoli
     for length, ratio in ONE_OF_TWO:
         multiple = getattr(solid, ratio, None)
         if multiple is not None:
-            tables = solid, indenter, load
-            a0 = fitting("a0", lambda: half_width_on_homogeneous(solid, shape_of(indenter), load.P), *tables)
+            half_width = partial(homogeneous_half_width, solid.E0, solid.nu)
+            a0 = fitting("a0", lambda: half_width(shape_of(indenter), load.P), solid, indenter, load)
             others = {name: value for name, value in solid.given().items() if name != ratio}
             solid = type(solid)(**others, **{length: multiple * a0})
     return solid
-
-
-def half_width_on_homogeneous(solid: AnySolid, shape: Shape, P: float) -> float:
-    """The contact half-width on a homogeneous half-plane of modulus E0 (57), m."""
-    return normal_contact(GradedHalfPlane(solid.E0, solid.nu, 0.0, 1.0), shape.analytic(), P).a
 
 
 def fitting(

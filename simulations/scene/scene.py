@@ -12,7 +12,7 @@ from .errors import SceneError, shown
 from .fields import LONGEST_TEXT, Text
 from .indenter import Shape, named, shape_of
 from .output import Output
-from .resolve import fitting, half_width_on_homogeneous, typed_tables
+from .resolve import fitting, typed_tables
 from .settings import EffectSwitches, Mesh, Reference, Solver
 from .steepness import check_steepness
 from .table import KINDS
@@ -203,7 +203,7 @@ class Scene(BaseModel):
 
     def a0(self, P: float) -> float:
         """The contact half-width on a homogeneous half-plane of modulus E0 under P (57), m."""
-        return half_width_on_homogeneous(self.solid, self.shape, P)
+        return solids.homogeneous_half_width(self.solid.E0, self.solid.nu, self.shape, P)
 
     def to_keys(self) -> dict[str, Any]:
         """``{"solid.k": 0.3, …}``: every key that applies, resolved."""

@@ -1,5 +1,6 @@
 """The solid of a scene: its closed-form contact, its modulus in the forms, and its kernel for the half-plane solver."""
 
+from functools import partial
 from math import exp, inf, log
 
 from scipy.optimize import brentq
@@ -34,12 +35,14 @@ def modulus_at(solid: AnySolid, y: float) -> float:
     return float(modulus(solid, 1.0, 1.0).young(y))
 
 
+def homogeneous_half_width(E: float, nu: float, shape: Shape, P: float) -> float:
+    """The contact half-width on a homogeneous half-plane of modulus E (57), m."""
+    return normal_contact(GradedHalfPlane(E, nu, 0.0, 1.0), shape.analytic(), P).a
+
+
 def equivalent_half_width(solid: AnySolid, shape: Shape, P: float) -> float:
     """Half-width a of the contact on a homogeneous half-plane whose modulus is E(a), m."""
-
-    def homogeneous(E):
-        return normal_contact(GradedHalfPlane(E, solid.nu, 0.0, 1.0), shape.analytic(), P).a
-
+    homogeneous = partial(homogeneous_half_width, nu=solid.nu, shape=shape, P=P)
     guess = homogeneous(solid.E0)
     ends = [homogeneous(modulus_at(solid, y)) for y in (1e-6 * guess, 1e6 * guess)]
     low, high = min(ends) * (1 - 1e-9), max(ends) * (1 + 1e-9)
