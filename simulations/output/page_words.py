@@ -2,7 +2,7 @@
 
 from ..scene import Scene
 from ..scene.effects import Effects
-from ..scene.tables import Fretting, Path, RoundedFlat
+from ..scene.tables import RoundedFlat
 
 PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
 QUANTITIES = {  # key of summary.json: name, unit
@@ -97,17 +97,17 @@ def _solid(scene: Scene) -> str:
 
 def _load(scene: Scene) -> str:
     load = scene.load
-    if isinstance(load, Path):
+    if scene.is_path:
         points = " → ".join(f"({quantity(P, 'N/m')}, {quantity(Q, 'N/m')})" for P, Q in load.points)
         friction = f"The coefficient of friction is {scene.mu:g}. " if scene.friction else ""
         return f"{friction}The loads (P, Q) go straight from point to point: {points}."
     P = f"The normal line load is P = {quantity(load.P, 'N/m')}"
-    if not (isinstance(load, Fretting) and scene.friction):
+    if not scene.is_loop:
         return f"{P}; there is no tangential load."
-    Q = f"Q_A = {load.amplitude} μP = {quantity(load.amplitude * load.mu * load.P, 'N/m')}"
+    Q = f"Q_A = {load.amplitude} μP = {quantity(load.amplitude * scene.mu * load.P, 'N/m')}"
     often = "once" if load.cycles == 1 else f"{load.cycles} times"
     back = f", then {often} to −Q_A and back" if load.cycles else " and stays there"
-    friction = f"the coefficient of friction μ = {load.mu:g}"
+    friction = f"the coefficient of friction μ = {scene.mu:g}"
     return f"{P}, {friction}. The tangential line load goes to {Q}{back}.{_strain(scene)}"
 
 

@@ -7,7 +7,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.ticker import MaxNLocator
 
-from ..scene import Scene, tables
+from ..scene import Scene
 from .files import on_disk
 from .page_words import quantity, strain_course
 
@@ -41,9 +41,9 @@ def in_words(scene: Scene) -> str:
         values.append(f"μ = {scene.mu:g}")
     if scene.effects.friction_in_normal_stage:
         values.append("friction from first contact")
-    if isinstance(scene.load, tables.Fretting):
+    if scene.is_loop:
         values.append(f"Q_A = {scene.load.amplitude:g} μP")
-    if isinstance(scene.load, tables.Path):
+    if scene.is_path:
         Q = max(abs(Q) for _, Q in scene.load.points)
         most = f", |Q| ≤ {Q:.4g} N/m" if scene.friction else ""
         values.append(f"{len(scene.load.points)} points of (P, Q){most}")

@@ -12,7 +12,6 @@ from .errors import SceneError
 from .scene import Scene
 from .settings import add_switches
 from .table import KINDS
-from .tables import Path
 
 
 @dataclass(frozen=True)
@@ -154,7 +153,7 @@ def incompressibility(scene: Scene) -> Verdict:
 def load_schedule(scene: Scene) -> Verdict:
     """One loading, cycles, or a path."""
     if not scene.is_loop:
-        points = len(scene.load.points) if isinstance(scene.load, Path) else 1
+        points = len(scene.load.points) if scene.is_path else 1
         return Verdict(points > 1, f"{points} load(s)", "straight from point to point" if points > 1 else "P alone")
     cycles = scene.load.cycles
     if cycles == 0:
