@@ -49,13 +49,10 @@ def read(arguments: list[str]) -> Path:
     parser = Parser(prog="python -m simulations.report", description=__doc__)
     parser.add_argument("folder", type=Path, metavar="DIR", help="folder of a run")
     folder = parser.parse_args(arguments).folder
-    for name in ("scene.toml", "summary.json", "history.csv"):
-        if not (folder / name).is_file():
-            raise SceneError(f"{shown(folder)} is not the folder of a run that ended: {name} is missing")
-    refuse_changed(folder)
     lost = lost_file(folder)
     if lost:
-        raise SceneError(f"{shown(folder)} does not hold the whole run: {lost} is missing")
+        raise SceneError(f"{shown(folder)} does not hold the whole of a run that ended: {lost} is missing")
+    refuse_changed(folder)
     return folder
 
 
