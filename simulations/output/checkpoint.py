@@ -45,12 +45,11 @@ def record(n: int) -> np.dtype:
 
 @dataclass(frozen=True)
 class Saved:
-    """A run as it was left: its scene, mesh grading, states (s,) of dtype ``record``, memory and seconds by phase.
+    """A run as it was left: its mesh grading, states (s,) of dtype ``record``, memory and seconds by phase.
 
     changes: of contact states, iteration by iteration, for each of the states.
     """
 
-    scene: Scene
     cells: Grading | None = None
     states: np.ndarray | None = None
     memory: dict[str, np.ndarray] | None = None
@@ -114,10 +113,10 @@ def remove(folder: Path):
 
 
 def load(folder: Path) -> Saved:
-    """The run in ``folder``; without a checkpoint its scene alone. SceneError where none is or it does not fit."""
+    """The run in ``folder``, which may have no checkpoint yet. SceneError where none is or it does not fit."""
     scene = read_scene(folder)
     if not (folder / FOLDER / "memory.npz").exists():
-        return Saved(scene, resumed=1)
+        return Saved(resumed=1)
     try:
         content = io.BytesIO((folder / FOLDER / "memory.npz").read_bytes())  # numpy leaves a damaged file open
         with np.load(content, allow_pickle=False) as archive:
@@ -142,7 +141,6 @@ def load(folder: Path) -> Saved:
         raise SceneError(f"--resume {folder}: {lost} is missing; {AGAIN}")
     cells = {name: value.tolist() for name, value in _part(kept, "cells").items()}
     return Saved(
-        scene,
         Grading(**cells | {"edges": tuple(cells["edges"]), "sweeps": tuple(map(tuple, cells["sweeps"]))}),
         states,
         _part(kept, "memory"),

@@ -93,6 +93,11 @@ class Results:
         """The same of what rank 0 alone writes."""
         self._everywhere(write if self.comm.rank == 0 else lambda: None)
 
+    def _finish(self, write: Callable[[], None]):
+        """The same of what says how the run ended; every rank learns which checks fail."""
+        self._on_root(write)
+        self.failing = self.comm.bcast(self.failing)
+
     def _write_tables(self):
         history = self.simulation.history
         times, height = self._fields.times, self.simulation.scaled.indenter.height
@@ -122,8 +127,7 @@ class Results:
             self._write_summary()
             checkpoint.remove(self.folder)
 
-        self._on_root(write)
-        self.failing = self.comm.bcast(self.failing)
+        self._finish(write)
 
     def judge(self, check: Check, accuracy: dict):
         """After the end: the check of the errors against ``solver.accuracy``, and what summary.json says of it."""
@@ -134,8 +138,7 @@ class Results:
                 self._plot()
             self._write_summary(accuracy=accuracy)
 
-        self._on_root(write)
-        self.failing = self.comm.bcast(self.failing)
+        self._finish(write)
 
     def __exit__(self, kind, error, trace):
         """After a failure write what there is; then ranks may not be in step, and rank 0 does what it can."""
