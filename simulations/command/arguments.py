@@ -71,8 +71,7 @@ def read_request(arguments: list[str], program: str, description: str | None, de
     given = parser.parse_args(own)
     command = command_line(program, *arguments)
     if given.resume is not None:
-        others = (given.scene, given.set, given.output, given.explain, given.reference, given.accuracy, given.overwrite)
-        if any(other is not None and other != [] and other is not False for other in others):
+        if vars(given) != vars(parser.parse_args([])) | {"resume": given.resume, "quiet": given.quiet}:
             names = "scene, --output, --set, --reference, --accuracy, --explain or --overwrite"
             raise SceneError(f"--resume takes no {names}: its folder has the scene")
         scene = checkpoint.read_scene(given.resume)
