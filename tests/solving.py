@@ -9,7 +9,7 @@ from simulations.loading.fallbacks import FALLBACKS, Options
 from simulations.runs.comparison import compare
 from simulations.runs.reference import closed_form
 from simulations.runs.simulation import Simulation
-from simulations.scene import DEFAULT_SCENE, parse
+from simulations.scene import DEFAULT_SCENE, make_scene, parse
 from simulations.studies.stability import read_cases
 
 # Under a constant Q the contact shrinks until all but one point slide; keys of a whole scene.
@@ -31,6 +31,11 @@ def coarse_simulation(text=DEFAULT_SCENE, cells=None, **changes) -> Simulation:
 def solved(text=DEFAULT_SCENE, cells=None, **changes) -> Simulation:
     """The same, run to its end."""
     return coarse_simulation(text, cells, **changes).run_to_end()
+
+
+def simulated(keys, base=DEFAULT_SCENE, cells=None) -> Simulation:
+    """A scene with these keys on the mesh that it asks for, or that of ``cells``, run to its end."""
+    return Simulation(MPI.COMM_SELF, make_scene(keys, base), cells).run_to_end()
 
 
 def limit_stepping(monkeypatch, **options):

@@ -5,15 +5,14 @@ from types import SimpleNamespace
 
 import matplotlib.pyplot as plt
 import pytest
-from mpi4py import MPI
 from pictured import along
 from running import COARSE, coarse_arguments
+from solving import simulated
 
 from simulations import fretting
 from simulations.output import plots
 from simulations.output.page_words import quantity
 from simulations.runs.checks import ChecksFailed
-from simulations.runs.simulation import Simulation
 from simulations.scene import make_scene
 from simulations.scene.solid import modulus_at
 
@@ -82,7 +81,7 @@ COATED = dict.fromkeys(("solid.k", "solid.y0_over_a0", "load.mu", "load.amplitud
 @pytest.mark.parametrize("changes", [SMALL, COATED], ids=["small amplitude", "coated"])
 def test_the_whole_picture_is_within_its_edges(changes, tmp_path, drawn):
     """And no title lies on a panel's."""
-    simulation = Simulation(MPI.COMM_SELF, make_scene(COARSE | changes)).run_to_end()
+    simulation = simulated(COARSE | changes)
     plots.plot_run(tmp_path / "none.png", "A long title. " * 12, simulation, {})
     (figure,) = drawn
     figure.draw_without_rendering()
@@ -119,7 +118,7 @@ def test_a_panel_with_the_line_of_another_problem_alone_says_so(changes, said, t
 
 def test_the_unit_of_length_of_a_coated_contact_is_told(tmp_path, drawn):
     """It is the half-width of a contact on the modulus at that depth, and not on that of the surface."""
-    simulation = Simulation(MPI.COMM_SELF, make_scene(COARSE | COATED)).run_to_end()
+    simulation = simulated(COARSE | COATED)
     plots.plot_run(tmp_path / "none.png", "", simulation, {})
     scene = simulation.scene
     a, E = scene.half_width, modulus_at(scene.material, scene.half_width)

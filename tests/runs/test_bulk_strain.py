@@ -3,9 +3,8 @@
 import numpy as np
 import pandas
 import pytest
-from mpi4py import MPI
 from running import ROOT, coarse_arguments
-from solving import coarse_simulation, solved
+from solving import coarse_simulation, simulated, solved
 
 from simulations import fretting
 from simulations.fem.body_sample import BodySampler
@@ -15,7 +14,6 @@ from simulations.runs.comparison import compare, compare_all, relative_l2
 from simulations.runs.energy import EnergyMeter, worst_defect
 from simulations.runs.mesh_free import MeshFree, equal_shares, refined
 from simulations.runs.reference import of_same_physics
-from simulations.runs.simulation import Simulation
 from simulations.scene import SceneError, make_scene, parse
 
 UNCOUPLED = (ROOT / "scenes" / "uncoupled.toml").read_text(encoding="utf-8")
@@ -72,8 +70,7 @@ def test_ghent_rig():
 )
 def test_default_mesh(k, turns, energy, every):
     """Traction at ±Q_A, energy, and traction at every state."""
-    scene = parse(UNCOUPLED, (f"solid.k={k}", f"load.bulk_strain={STRAIN}"))
-    simulation = Simulation(MPI.COMM_SELF, scene).run_to_end()
+    simulation = simulated({"solid.k": k, "load.bulk_strain": STRAIN}, UNCOUPLED)
     exact = of_same_physics(simulation)
     found = compare(simulation.history, exact)
     assert found["traction_l2"] < turns and abs(found["dissipated_energy"]) < energy

@@ -5,6 +5,7 @@ from itertools import islice
 import numpy as np
 import pytest
 from mpi4py import MPI
+from solving import simulated
 
 from analytic import CoupledLoop
 from analytic.coupled.state import CoupledState
@@ -101,8 +102,7 @@ def test_steep_tractions_do_not_zigzag():
     """k = -0.6: the edge of pressing has a place too, without which its pressure zigzags by 15 %. p and q beside the
     solver without load steps are off by 2.1e-3 and 6e-3; on a mesh for rough edges q was off by 1.7e-2.
     """
-    scene = make_scene({"solid.k": -0.6, "solid.nu": 0.3, "solver.increments": 6, "mesh.facet": 0.08})
-    simulation = Simulation(MPI.COMM_SELF, scene).run_to_end()
+    simulation = simulated({"solid.k": -0.6, "solid.nu": 0.3, "solver.increments": 6, "mesh.facet": 0.08})
     zigzag = max(largest_zigzag(entry.surface) for entry in simulation.history.entries)
     found = compare_all(simulation.history, StepFree(simulation)).worst
     assert zigzag < 0.03 and found["pressure_l2"] < 4e-3 and found["traction_l2"] < 1e-2
@@ -151,8 +151,8 @@ def test_load_steps_without_a_state_leave_the_others_their_places():
 
 def test_edges_are_read_with_the_powers_that_coupling_gives():
     """In both directions; with (1+k)/2, the power without coupling, they are ten times as far off."""
-    settings = ("solid.k=0", "solid.nu=0.1", "load.mu=0.6", "load.amplitude=0.6", "mesh.edge_facet=1.9e-3")
-    simulation = Simulation(MPI.COMM_SELF, plan("solver.increments=3", *settings).scene).run_to_end()
+    keys = {"solid.k": 0, "solid.nu": 0.1, "load.mu": 0.6, "load.amplitude": 0.6, "mesh.edge_facet": 1.9e-3}
+    simulation = simulated(keys | {"solver.increments": 3})
     reference, middle = StepFree(simulation), []
     for exponents in (simulation.history.exponents, lambda friction: 4 * (0.5,)):
         off = []

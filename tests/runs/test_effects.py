@@ -6,9 +6,8 @@ from types import SimpleNamespace
 import h5py
 import numpy as np
 import pytest
-from mpi4py import MPI
 from running import ROOT, coarse_arguments, csv_rows, run_command
-from solving import coarse_simulation, deviations, solved
+from solving import coarse_simulation, deviations, simulated, solved
 
 from analytic import ContactNotConverged
 from forms.contact import X, Y
@@ -18,8 +17,7 @@ from simulations.runs import mesh_free, reference
 from simulations.runs.comparison import compare, compare_state
 from simulations.runs.explain import explain
 from simulations.runs.mesh_free import MeshFree
-from simulations.runs.simulation import Simulation
-from simulations.scene import DEFAULT_SCENE, SceneError, make_scene, parse
+from simulations.scene import SceneError, make_scene, parse
 from simulations.scene.effects import Effects
 
 FINE = {
@@ -190,12 +188,6 @@ def test_more_load_steps_of_the_reference_are_kept_only_where_they_help(monkeypa
     assert reference._mesh_free(simulation, None).finer == kept
 
 
-def default_mesh(**changes) -> Simulation:
-    """A coupled loop on the default mesh."""
-    settings = (f"{name.replace('__', '.')}={value}" for name, value in changes.items())
-    return Simulation(MPI.COMM_SELF, parse(DEFAULT_SCENE, tuple(settings))).run_to_end()
-
-
 def worst_of_states(simulation, other) -> dict[str, float]:
     """Largest errors at the first +Q_A and at A to E of the cycles."""
     states = [compare_state(entry, other) for entry in simulation.history.entries if entry.step.state]
@@ -210,7 +202,8 @@ def worst_of_states(simulation, other) -> dict[str, float]:
 )
 def test_coupled_loop_is_accurate_at_every_state(k, nu, mu, cycles):
     """The paper's pairs, on a mesh graded to the edges of all states; one, on the usual mesh, is the next test."""
-    simulation = default_mesh(mesh__edges="states", solid__k=k, solid__nu=nu, load__mu=mu, load__cycles=cycles)
+    keys = {"solid.k": k, "solid.nu": nu, "load.mu": mu, "load.cycles": cycles, "mesh.edges": "states"}
+    simulation = simulated(keys)
     worst = worst_of_states(simulation, MeshFree(simulation))
     assert worst["pressure_l2"] < 5e-4 and worst["traction_l2"] < 1e-3
 
@@ -218,13 +211,13 @@ def test_coupled_loop_is_accurate_at_every_state(k, nu, mu, cycles):
 @pytest.mark.slow
 def test_what_edges_after_every_load_step_gain():
     """The usual mesh is graded to them: more accurate than one that is graded to a rough solution's edges."""
-    scene = {"solid__k": 0.0, "solid__nu": 0.3}
-    simulation = default_mesh(**scene)
+    scene = {"solid.k": 0.0, "solid.nu": 0.3}
+    simulation = simulated(scene)
     other = MeshFree(simulation)
     fine = worst_of_states(simulation, other)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("simulations.runs.plan.grades", lambda *_: False)
-        rough = worst_of_states(default_mesh(**scene), other)
+        rough = worst_of_states(simulated(scene), other)
     assert fine["pressure_l2"] < 5e-4 and fine["traction_l2"] < 1e-3
     assert fine["traction_l2"] < rough["traction_l2"] / 2
 

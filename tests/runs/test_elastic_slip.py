@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-from mpi4py import MPI
-from solving import coarse_simulation, solved
+from solving import coarse_simulation, simulated, solved
 
 from analytic import GradedHalfPlane, HalfPlaneContact, PowerLawKernel
 from analytic.half_plane.critical_friction import RateOperator, smallest_singular
@@ -15,7 +14,6 @@ from simulations.runs.mesh_free import MeshFree
 from simulations.runs.plan import Plan
 from simulations.runs.reference import neglected, of_same_physics
 from simulations.runs.report_data import find
-from simulations.runs.simulation import Simulation
 from simulations.runs.timing import Stopwatch
 from simulations.scene import make_scene
 
@@ -83,7 +81,7 @@ def test_its_stated_error_covers_the_load_steps():
     loop = {"solid.modulus": "homogeneous", "solid.E0": 210e9, "solid.nu": 0.2, "load.P": 1e6, "load.mu": 0.4}
     loop |= {"load.amplitude": 0.7, "effects.elastic_slip": 1e-6, "solver.increments": 4}
     mesh = {"mesh.facet": 0.1, "mesh.edge_facet": 0.01, "mesh.growth": 1.5}
-    simulation = Simulation(MPI.COMM_SELF, make_scene(loop | mesh | {"indenter.R": 0.1}, base=None)).run_to_end()
+    simulation = simulated(loop | mesh | {"indenter.R": 0.1}, base=None)
     found = find(simulation)
     error = abs(found.quantities["dissipated_energy"] / 0.08112 - 1)
     stated = abs(found.exact.deviations["dissipated_energy"])

@@ -1,12 +1,11 @@
 """The energy that friction takes on a straight way of the loads follows from the balance of energy."""
 
 import pytest
-from mpi4py import MPI
 from running import COARSE
+from solving import simulated
 
 from simulations.runs.closed_forms import Springs
 from simulations.runs.simulation import Simulation
-from simulations.scene import make_scene
 
 SOLID = {"solid.E0": 210e9, "solid.nu": 0.3, "solid.modulus": "homogeneous", "indenter.R": 0.1, "load.mu": 0.3}
 STRONG = SOLID | {"solid.modulus": "power law", "solid.k": 0.5, "solid.y0_over_a0": 10.0, "solid.nu": 0.495}
@@ -17,8 +16,7 @@ FALLING = SOLID | {"load.points": [[8.9e5, 0.0], [7.1e5, 9.8e4], [2.7e5, 6.5e3],
 
 
 def run(scene, steps, cells=None) -> Simulation:
-    scene = make_scene(COARSE | scene | {"solver.increments": steps}, base=None)
-    return Simulation(MPI.COMM_SELF, scene, cells).run_to_end()
+    return simulated(COARSE | scene | {"solver.increments": steps}, None, cells)
 
 
 def by_points(history) -> float:

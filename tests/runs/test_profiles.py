@@ -2,15 +2,13 @@
 
 import numpy as np
 import pytest
-from mpi4py import MPI
-from solving import deviations, solved
+from solving import deviations, simulated, solved
 
 from simulations.runs import checks
 from simulations.runs.comparison import compare, compare_state
 from simulations.runs.mesh_free import MeshFree
 from simulations.runs.reference import closed_form
-from simulations.runs.simulation import Simulation
-from simulations.scene import DEFAULT_SCENE, make_scene, parse
+from simulations.scene import DEFAULT_SCENE, parse
 
 MEDIUM = {
     "mesh__facet": 0.04,
@@ -51,7 +49,7 @@ def test_other_profiles_match_their_closed_form(profile):
 def test_a_contact_that_ends_on_the_flat_has_a_gap():
     solid = {"solid.E0": 210e9, "solid.nu": 0.3, "solid.modulus": "homogeneous"}
     pressed = solid | {"indenter.profile": "rounded flat", "indenter.R": 0.1, "indenter.flat": 1e-3, "load.P": 1.0}
-    simulation = Simulation(MPI.COMM_SELF, make_scene(pressed, base=None)).run_to_end()
+    simulation = simulated(pressed, base=None)
     found = checks.check(simulation.history, simulation.scaled.indenter.height)
     assert found["gap >= 0"].holds
 
@@ -100,27 +98,11 @@ def test_any_path_of_loads_with_varying_pressure(coupling):
     assert np.ptp(P) == pytest.approx(0.4)
 
 
-@pytest.mark.parametrize("keys", ["", 'profile = "power"\nexponent = 4', 'profile = "rounded flat"\nflat = 2e-4'])
-def test_relief_without_friction_ends_in_fine_facets(keys):
+@pytest.mark.parametrize("shape", [{}, {"profile": "power", "exponent": 4}, {"profile": "rounded flat", "flat": 2e-4}])
+def test_relief_without_friction_ends_in_fine_facets(shape):
     """Contact is measured as well after relief as under the largest load: the mesh is graded to every point."""
-    text = f"""
-[solid]
-E0 = 210e9
-k = 0.3
-nu = 0.3
-y0 = 5e-3
-[indenter]
-R = 0.1
-{keys}
-[load]
-points = [[1e6, 0], [2e6, 0], [4e5, 0]]
-[mesh]
-facet = 0.1
-edge_facet = 0.01
-first_layer = 0.01
-[solver]
-increments = 2
-"""
-    simulation = Simulation(MPI.COMM_SELF, parse(text)).run_to_end()
+    keys = {"solid.E0": 210e9, "solid.k": 0.3, "solid.nu": 0.3, "solid.y0": 5e-3, "indenter": {"R": 0.1} | shape}
+    keys |= {"load.points": [[1e6, 0], [2e6, 0], [4e5, 0]], "solver.increments": 2}
+    simulation = simulated(keys | {"mesh.facet": 0.1, "mesh.edge_facet": 0.01, "mesh.first_layer": 0.01}, base=None)
     found = compare(simulation.history, closed_form(simulation))
     assert abs(found["a"]) < 1.5e-2 and found["pressure_l2"] < 5e-3

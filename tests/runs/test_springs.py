@@ -1,18 +1,17 @@
 """The exact reference of uncoupled runs: on loops the closed forms, on paths no load steps, a sharp tip left out."""
 
 import pytest
-from mpi4py import MPI
-from solving import coarse_simulation
+from running import COARSE
+from solving import coarse_simulation, simulated
 
 from simulations.runs.closed_forms import Springs
 from simulations.runs.comparison import apart, compare_all, compare_state, numbers
 from simulations.runs.mesh_free import steps_for_one
 from simulations.runs.reference import closed_form, of_same_physics
 from simulations.runs.report_data import compared, quantities
-from simulations.runs.simulation import Simulation
-from simulations.scene import DEFAULT_SCENE, make_scene, parse
 
 UNCOUPLED = {"effects__coupling": "false", "solid__nu": 0.3}
+HOMOGENEOUS = {"solid.modulus": "homogeneous", "solid.nu": 0.3, "effects.coupling": False}
 
 
 @pytest.mark.parametrize("k", [-0.3, 0.0, 0.3])
@@ -46,35 +45,24 @@ SLOW = pytest.mark.slow
 )
 def test_the_default_mesh_is_accurate_at_every_load_step(k, amplitude, allowed):
     """Near Q = 0 the edge of stick lies far from where the load turns, and q is small."""
-    sets = {"solid.k": k, "solid.nu": 0.3, "load.amplitude": amplitude, "effects.coupling": "false"}
-    scene = parse(DEFAULT_SCENE, tuple(f"{key}={value}" for key, value in sets.items()))
-    simulation = Simulation(MPI.COMM_SELF, scene).run_to_end()
+    keys = {"solid.k": k, "solid.nu": 0.3, "load.amplitude": amplitude, "effects.coupling": False}
+    simulation = simulated(keys)
     springs = Springs(simulation.contact, simulation.mu, simulation.schedule)
     assert compare_all(simulation.history, springs).worst["traction_l2"] < allowed
 
 
 @pytest.mark.parametrize(
     "points, increments, allowed",
-    [("[1e5, 0], [1e5, 3.5e4], [2e4, -7e3], [1e5, -7e3]", 1, 0.04), ("[1e5, 0], [6e4, 2.2e4]", 4, 5e-3)],
+    [([[1e5, 0], [1e5, 3.5e4], [2e4, -7e3], [1e5, -7e3]], 1, 0.04), ([[1e5, 0], [6e4, 2.2e4]], 4, 5e-3)],
     ids=["one load step from point to point", "slip that grows ever faster while P falls"],
 )
 def test_energy_while_P_changes(points, increments, allowed):
     """No point gains any: those that leave contact go on the other way. Of a point's slip more belongs to the end of a
     step than to its start, where p is another: without it the second energy is off by 1.6 %.
     """
-    scene = f"""
-[solid]
-modulus = "homogeneous"
-E0 = 70e9
-nu = 0.3
-[indenter]
-R = 0.02
-[load]
-mu = 0.4
-points = [{points}]
-"""
-    sets = {"effects__coupling": "false", "solver__increments": increments, "mesh__first_layer": 0.01}
-    simulation = coarse_simulation(scene, **sets).run_to_end()
+    keys = {"solid.E0": 70e9, "indenter.R": 0.02, "load.mu": 0.4, "load.points": points}
+    mesh = {"solver.increments": increments, "mesh.first_layer": 0.01}
+    simulation = simulated(COARSE | HOMOGENEOUS | keys | mesh, base=None)
     exact = Springs(simulation.contact, simulation.mu, simulation.schedule)
     assert min(simulation.history.work) >= 0.0
     assert simulation.history.dissipated_energy == pytest.approx(exact.dissipated_energy(), rel=allowed)
@@ -82,19 +70,10 @@ points = [{points}]
 
 def test_no_stick_zone_is_wider_than_the_contact():
     """Where nearly everything sticks its edge lies beside that of the contact, which is fitted from other numbers."""
-    scene = """
-[solid]
-modulus = "homogeneous"
-E0 = 210e9
-nu = 0.3
-[indenter]
-R = 0.1
-[load]
-mu = 0.3
-points = [[6e5, 0], [9.6e5, -1e5], [5e4, -2.4e3], [9.4e5, 2.3e5], [9.9e5, -1.8e5]]
-"""
-    sizes = {"mesh__facet": 0.1, "mesh__edge_facet": 0.02, "mesh__first_layer": 0.02}
-    simulation = coarse_simulation(scene, effects__coupling="false", **sizes).run_to_end()
+    points = [[6e5, 0], [9.6e5, -1e5], [5e4, -2.4e3], [9.4e5, 2.3e5], [9.9e5, -1.8e5]]
+    keys = {"solid.E0": 210e9, "indenter.R": 0.1, "load.mu": 0.3, "load.points": points}
+    sizes = {"mesh.facet": 0.1, "mesh.edge_facet": 0.02, "mesh.first_layer": 0.02}
+    simulation = simulated(COARSE | HOMOGENEOUS | keys | sizes, base=None)
     for entry in simulation.history.entries:
         assert entry.contact[0] <= entry.stick[0] < entry.stick[1] <= entry.contact[1]
 
@@ -104,7 +83,7 @@ def test_error_of_the_reference_is_stated():
     values = {"solid.E0": 210e9, "solid.k": 0.3, "solid.nu": "holl", "solid.y0_over_a0": 10.0, "indenter.R": 0.1}
     path = {"load.mu": 0.3, "load.points": [[2.5e5, 0.0], [1e6, 1.2e5]], "reference.kind": "half-plane"}
     mesh = {"mesh.facet": 0.2, "mesh.edge_facet": 0.02, "mesh.first_layer": 0.02, "solver.increments": 1}
-    simulation = Simulation(MPI.COMM_SELF, make_scene(values | mesh | path, base=None)).run_to_end()
+    simulation = simulated(values | mesh | path, base=None)
     reference, exact, last = of_same_physics(simulation), closed_form(simulation), simulation.history.entries[-1]
     own, true = apart(last, reference.coarser, reference), apart(last, reference, exact)
     assert steps_for_one(simulation) == 8

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from mpi4py import MPI
+from solving import simulated
 
 from analytic.coupled.branch import Branch
 from analytic.coupled.state import CoupledState
@@ -23,7 +24,7 @@ SCENE |= {"mesh.facet": 0.1, "mesh.edge_facet": 0.02}
 @pytest.mark.slow
 def test_states_that_points_in_stick_leave_open_are_those_of_the_mesh_free_solver():
     """Two of ten load steps; the energy and all other states are known without load steps."""
-    simulation = Simulation(MPI.COMM_SELF, make_scene(SCENE)).run_to_end()
+    simulation = simulated(SCENE)
     reference = of_same_physics(simulation)
     assert isinstance(reference, StepFree) and reference.gaps == [3, 7]
     assert "at 2 of 11 states mesh-free" in describe(reference, simulation)
@@ -78,7 +79,7 @@ def test_load_steps_since_a_turn_grow():
 def test_an_energy_too_small_for_the_reference_is_not_compared():
     """With little friction the reference's was 65 % off, known to 7e-5 by its own word, and failed a good run."""
     little = {"solid.k": 0.3, "solid.nu": 0.3, "load.mu": 1e-5, "load.cycles": 0, "solver.increments": 1}
-    simulation = Simulation(MPI.COMM_SELF, make_scene(SCENE | little | {"load.amplitude": 0.9})).run_to_end()
+    simulation = simulated(SCENE | little | {"load.amplitude": 0.9})
     found = report_data.find(simulation)
     assert isinstance(found.exact.other, StepFree) and found.exact.other.dissipated_energy() is None
     assert "dissipated_energy" not in found.exact.deviations and hold(found.checks)
@@ -87,7 +88,7 @@ def test_an_energy_too_small_for_the_reference_is_not_compared():
 def test_a_peak_between_nodes_of_the_run_is_the_references_peak():
     """A cusp where stick ended: at the run's nodes alone it was 1.4 % low, and the run's error 1.6e-3, not 1.6e-2."""
     keys = {"solid.k": -0.5, "solid.nu": 0.3, "load.mu": 0.3, "load.amplitude": 0.9}
-    simulation = Simulation(MPI.COMM_SELF, make_scene(SCENE | keys)).run_to_end()
+    simulation = simulated(SCENE | keys)
     reference = of_same_physics(simulation)
     found = report_data.compared(simulation, reference)
     computed = report_data.quantities(simulation)["peak_pressure"]

@@ -3,12 +3,11 @@
 import json
 
 import pytest
-from mpi4py import MPI
 from running import COARSE, coarse_arguments, coarse_overrides, run_command
-from solving import coarse_simulation
+from solving import coarse_simulation, simulated
 
 from analytic import ContactNotConverged
-from simulations import Simulation, make_scene, parse, run
+from simulations import parse, run
 from simulations.runs import expected_edges
 from simulations.runs.comparison import compare, compare_all
 from simulations.runs.explain import explain
@@ -92,7 +91,7 @@ def test_a_stick_zone_is_told_where_its_half_width_is_off(share, least, most):
     c = 1.001 * share * NARROWEST_STICK * 4e-3
     keys = {"solid.k": 0.5, "solid.nu": 0.3, "load.amplitude": 1 - c**2.5, "effects.coupling": False}
     keys |= {"mesh.edge_facet": 4e-3, "solver.increments": 2}
-    simulation = Simulation(MPI.COMM_SELF, make_scene(keys)).run_to_end()
+    simulation = simulated(keys)
     assert least < abs(compare(simulation.history, of_same_physics(simulation))["c"]) < most
     told = [words for words in simulation.warnings if "is too coarse for c/a" in words]
     assert len(told) == (share < 1)
@@ -108,7 +107,7 @@ def test_a_peak_that_the_mesh_hides_is_told_and_not_compared(k, mu, low, told):
     """By Spence's similar solution: pressed on with friction, slip from both sides meets at x = 0."""
     keys = {"solid.k": k, "solid.nu": 0.0, "load.mu": mu, "effects.friction_in_normal_stage": True}
     keys |= {"load.cycles": 0, "solver.increments": 1, "load.amplitude": 0.1}
-    simulation = Simulation(MPI.COMM_SELF, make_scene(keys)).run_to_end()
+    simulation = simulated(keys)
     pressed = [entry for entry in simulation.history.entries if entry.step.branch == "normal"][-1]
     exact = simulation.pressing_with_friction.pressure(0.0)
     assert 1 - pressed.peak_pressure / exact == pytest.approx(low, abs=0.01)
@@ -127,7 +126,7 @@ def test_a_sharp_tip_that_the_mesh_blunts_is_told_and_not_compared(m, k, low, to
     """p falls from its peak like |x|^(m+k-1), from an infinite one where this power is not positive."""
     keys = {"solid.E0": 210e9, "solid.nu": 0.25, "solid.k": k, "solid.y0": 2e-3, "indenter.profile": "power"}
     keys |= {"indenter.R": 0.1, "indenter.exponent": m, "load.P": 1e6}
-    simulation = Simulation(MPI.COMM_SELF, make_scene(keys, base=None)).run_to_end()
+    simulation = simulated(keys, base=None)
     exact, (last,) = simulation.contact.pressure(0.0), simulation.history.entries
     if low is None:
         assert exact == float("inf")
