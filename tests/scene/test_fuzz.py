@@ -7,6 +7,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from simulations.scene import DEFAULT_SCENE, Scene, SceneError, language, parse
+from simulations.scene.text import written
 
 QUICK = settings(max_examples=150, deadline=5000, suppress_health_check=list(HealthCheck))
 KEYS = sorted(language())
@@ -27,17 +28,11 @@ values = st.one_of(
 )
 
 
-def written(value) -> str:
-    """A value as TOML (texts as literal strings, where they can be)."""
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, str):
-        return f"'{value}'"
-    if isinstance(value, list):
-        return f"[{', '.join(map(written, value))}]"
+def toml(value) -> str:
+    """A value as TOML; a dictionary as a table in one line."""
     if isinstance(value, dict):
-        return "{" + ", ".join(f"'{key}' = {written(inner)}" for key, inner in value.items()) + "}"
-    return repr(value)
+        return "{" + ", ".join(f"{written(key)} = {written(inner)}" for key, inner in value.items()) + "}"
+    return written(value)
 
 
 def is_a_scene_or_one_line(text, overrides=()):
@@ -54,13 +49,13 @@ def is_a_scene_or_one_line(text, overrides=()):
 @QUICK
 @given(st.dictionaries(st.sampled_from(KEYS), values, max_size=4))
 def test_any_value_for_any_key_of_a_good_scene(changes):
-    is_a_scene_or_one_line(DEFAULT_SCENE, tuple(f"{key}={written(value)}" for key, value in changes.items()))
+    is_a_scene_or_one_line(DEFAULT_SCENE, tuple(f"{key}={toml(value)}" for key, value in changes.items()))
 
 
 @QUICK
 @given(st.dictionaries(st.sampled_from(KEYS), values))
 def test_any_choice_of_keys(entries):
-    is_a_scene_or_one_line("\n".join(f"{key} = {written(value)}" for key, value in entries.items()))
+    is_a_scene_or_one_line("\n".join(f"{key} = {toml(value)}" for key, value in entries.items()))
 
 
 NUMBERS = ["solid.k", "solid.nu", "solid.E0", "load.P", "indenter.R"]
@@ -69,7 +64,7 @@ NUMBERS = ["solid.k", "solid.nu", "solid.E0", "load.P", "indenter.R"]
 @QUICK
 @given(st.dictionaries(st.sampled_from(NUMBERS), numbers, min_size=2))
 def test_any_numbers(changes):
-    is_a_scene_or_one_line(DEFAULT_SCENE, tuple(f"{key}={written(value)}" for key, value in changes.items()))
+    is_a_scene_or_one_line(DEFAULT_SCENE, tuple(f"{key}={toml(value)}" for key, value in changes.items()))
 
 
 @QUICK
