@@ -36,7 +36,7 @@ def test_default_loop_is_as_good_as_published(summary):
 def test_standard_output_ends_with_the_table(default_run):
     text = (default_run / "stdout.txt").read_text()
     assert "closed form" in text
-    for word in ("energy per cycle", "L2 over the contact", "written to"):
+    for word in ("energy per cycle", "L2 over the contact", "checks hold", "written to"):
         assert text.count(word) == 1, word
 
 
@@ -55,6 +55,7 @@ def test_history(default_run, summary):
     assert [row["state"] for row in rows if row["cycle"] == "1" and row["state"]] == ["B", "C", "D", "E", "A"]
     energy = [float(row["dissipated_energy[J/m]"]) for row in rows]
     assert np.all(np.diff(energy) >= 0)
+    assert any(int(number) for row in rows for number in row["states_changed"].split())
     start = next(i for i, row in enumerate(rows) if row["cycle"] == "1") - 1
     assert energy[-1] - energy[start] == pytest.approx(summary["dissipated_energy"], rel=1e-9)
 
@@ -129,7 +130,7 @@ def test_displacements_are_in_metres(default_run):
     expected = -loop.slip(data["x"], loop.Q_A, "reloading")
     within = np.abs(data["x"]) < loop.a
     assert data["slip"][-1][within] == pytest.approx(expected[within], abs=1e-4 * np.abs(expected).max())
-    assert last["delta_y[m]"] == pytest.approx(scene.contact.indentation, rel=1e-3)
+    assert last["delta_y[m]"] == pytest.approx(scene.contact.indentation, rel=2e-4)
     assert last["delta_x[m]"] == pytest.approx(loop.rigid_shift(loop.Q_A, "reloading"), rel=1e-3)
 
 

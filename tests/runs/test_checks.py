@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from running import coarse_arguments, csv_rows, run_command
+from running import coarse_arguments, run_command
 from solving import coarse_simulation, solved
 
 from simulations.output.table import table
@@ -107,15 +107,6 @@ def test_a_number_that_is_none_is_seen_in_every_load_step(loop, name):
         values[:] = saved
     failing = {"load balance", f"{name} zigzags"} | ({"p >= 0"} if name == "pressure" else {"|q| <= mu p"})
     assert {check for check in failing if np.isnan(found[check].value)} == failing and np.isnan(energy)
-
-
-def test_user_sees_checks_and_changing_states(tmp_path):
-    done = run_command(*coarse_arguments(tmp_path, solid__nu=0.3))
-    assert "checks hold" in done.stdout
-    found = json.loads((tmp_path / "summary.json").read_text())["checks"]
-    assert found["load balance"]["holds"] and found["|q| <= mu p"]["value"] <= found["|q| <= mu p"]["limit"]
-    changed = [list(map(int, row["states_changed"].split())) for row in csv_rows(tmp_path / "history.csv")]
-    assert max(map(max, filter(None, changed))) > 0
 
 
 def test_errors_beside_the_reference_are_checked():
