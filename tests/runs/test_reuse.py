@@ -8,6 +8,7 @@ from mpi4py import MPI
 from running import COARSE
 from solving import watched
 
+from simulations.runs.plan import Plan
 from simulations.runs.simulation import Simulation
 from simulations.runs.timing import Stopwatch
 from simulations.scene import SceneError, make_scene
@@ -24,6 +25,10 @@ TWO_STEPS = UNCOUPLED | NO_LOOP | {"load.points": [[1e6, 0.0], [1e6, 1e5]], "sol
 
 def made(keys, like=None) -> Simulation:
     return Simulation(MPI.COMM_SELF, make_scene(keys), like=like)
+
+
+def planned(keys) -> Plan:
+    return Plan(make_scene(keys), Stopwatch())
 
 
 @pytest.fixture(scope="module")
@@ -49,8 +54,8 @@ def first():
         ({"indenter.profile": "circle"}, False),
     ],
 )
-def test_friction_load_and_cylinder_alone_only_scale_an_uncoupled_contact(first, changes, is_shared):
-    assert (made(UNCOUPLED | changes, first).body is first.body) == is_shared
+def test_friction_load_and_cylinder_alone_only_scale_an_uncoupled_contact(changes, is_shared):
+    assert (planned(UNCOUPLED | changes).graded_for == planned(UNCOUPLED).graded_for) == is_shared
 
 
 @pytest.mark.parametrize(
@@ -70,9 +75,8 @@ def test_a_body_is_not_shared_where_the_edges_are_others(keys, changes):
     """With coupling friction moves them; strain and elastic slip are values of their own, which nothing scales. The
     mesh of a path is graded to the edges at its points.
     """
-    one = made(keys)
-    other = made(keys | changes, one)
-    assert other.body is not one.body and other.cells != one.cells
+    one, other = planned(keys), planned(keys | changes)
+    assert other.graded_for != one.graded_for and other.grading() != one.grading()
 
 
 def test_what_is_reused_has_the_numbers_of_its_own_body(first, monkeypatch):
