@@ -172,13 +172,6 @@ def test_each_value_stands_beside_its_own_error(plain):
     assert re.search(r"^ +computed +closed form +relative error$", plain, re.M)
 
 
-def test_results_are_printed_without_a_reference(tmp_path):
-    done = run_command(*coarse_arguments(tmp_path, reference__kind='"none"'))
-    assert done.returncode == 0
-    assert re.search(r"^stick half-width c/a \[-\] +0\.3\d+$", done.stdout, re.M)
-    assert "peak pressure [Pa]" in done.stdout and "relative" not in done.stdout
-
-
 def test_version_and_commands():
     assert run_command("--version").stdout == f"graded-fretting {__version__}\n"
     done = run_command(module="simulations")

@@ -41,12 +41,6 @@ def test_uncoupled_loops_match_the_closed_forms(k, limit):
         assert abs(deviation) < limit, name
 
 
-@pytest.mark.parametrize("k", [0.0, 0.3, 0.9, -0.5])
-def test_uncoupled_loops_on_a_coarse_mesh(k):
-    for name, deviation in deviations(solved(**UNCOUPLED, solid__k=k)).items():
-        assert abs(deviation) < (1e-2 if k >= 0 else 3e-2), name
-
-
 def test_at_the_holl_ratio_coupling_changes_nothing():
     on, off = solved(), solved(effects__coupling="false")
     for one, other in zip(on.history.entries, off.history.entries, strict=True):
