@@ -80,36 +80,24 @@ def _text(value) -> str:
     return str(value)
 
 
-def _rows(value, length: int) -> tuple[tuple[float, ...], ...]:
-    """Rows of ``length`` numbers each."""
-    if hasattr(value, "tolist"):  # an array
-        value = value.tolist()
-    rows = isinstance(value, (list, tuple)) and all(isinstance(r, (list, tuple)) and len(r) == length for r in value)
-    if not rows:
-        raise ValueError(f"not a list of rows of {length}")
-    return tuple(tuple(map(_number, row)) for row in value)
+def rows(columns: int, fits: Callable[..., bool], least: int = 0) -> Callable[[Any], tuple[tuple[float, ...], ...]]:
+    """Check of a list of at least so many rows of numbers, each of which ``fits`` takes."""
+
+    def check(value):
+        if hasattr(value, "tolist"):  # an array
+            value = value.tolist()
+        if not isinstance(value, (list, tuple)) or not all(isinstance(row, (list, tuple)) for row in value):
+            raise ValueError("not a list of rows")
+        found = tuple(tuple(map(_number, row)) for row in value)
+        if len(found) < least or not all(len(row) == columns and fits(*row) for row in found):
+            raise ValueError("too few rows, or one that does not fit")
+        return found
+
+    return check
 
 
-def _points(value) -> tuple[tuple[float, ...], ...]:
-    found = _rows(value, 2)
-    if not found or any(P <= 0 for P, _ in found):
-        raise ValueError("P is not positive")
-    return found
-
-
-def _places(value) -> tuple[tuple[float, ...], ...]:
-    found = _rows(value, 2)
-    if any(y < 0 for _, y in found):
-        raise ValueError("above the surface")
-    return found
-
-
-def _lines(value) -> tuple[tuple[float, ...], ...]:
-    found = _rows(value, 5)
-    for x0, y0, x1, y1, n in found:
-        if min(y0, y1) < 0 or not 2 <= n <= MOST_ON_A_LINE or n != int(n) or (x0, y0) == (x1, y1):
-            raise ValueError("no line in the body")
-    return tuple((*row[:4], int(row[4])) for row in found)
+def _is_line(x0: float, y0: float, x1: float, y1: float, n: float) -> bool:
+    return min(y0, y1) >= 0 and (x0, y0) != (x1, y1) and n == int(n) and 2 <= n <= MOST_ON_A_LINE
 
 
 def _words(value) -> tuple[str, ...]:
@@ -141,19 +129,19 @@ Text = Annotated[str, BeforeValidator(_text), MaxLen(LONGEST_TEXT)]
 FormulaText = Annotated[Text, MaxLen(LONGEST_FORMULA), Unit("m")]
 Points = Annotated[
     tuple[tuple[float, float], ...],
-    BeforeValidator(_points),
+    BeforeValidator(rows(2, lambda P, Q: P > 0, least=1)),
     Unit("N/m"),
     ListOf("a list of pairs [P, Q] of numbers, P > 0", _row_of(2)),
 ]
 Places = Annotated[
     tuple[tuple[float, float], ...],
-    BeforeValidator(_places),
+    BeforeValidator(rows(2, lambda x, y: y >= 0)),
     Unit("m"),
     ListOf("a list of pairs [x, y] of numbers, y ≥ 0", _row_of(2), 0),
 ]
 Lines = Annotated[
     tuple[tuple[float, float, float, float, int], ...],
-    BeforeValidator(_lines),
+    BeforeValidator(rows(5, _is_line)),
     Unit("m"),
     ListOf(
         f"a list of [x0, y0, x1, y1, n] with y ≥ 0, two different ends and an integer n, 2 ≤ n ≤ {MOST_ON_A_LINE}",
