@@ -13,20 +13,24 @@ from simulations.runs.checks import ChecksFailed
 from simulations.scene import SceneError
 
 
-@pytest.fixture
-def stopped(uninterrupted, tmp_path, monkeypatch):
-    """A run that ended after its second increment."""
-    folder = tmp_path / "run"
+@pytest.fixture(scope="module")
+def after_two(tmp_path_factory):
+    """A run that ended after its second increment; nobody writes there."""
+    folder = tmp_path_factory.mktemp("after_two") / "run"
 
     def stop(progress, entry):
         if len(progress.simulation.history.entries) == 2:
             raise KeyboardInterrupt
 
-    monkeypatch.setattr("simulations.command.progress.Progress.step", stop)
-    with pytest.raises(KeyboardInterrupt):
+    with pytest.MonkeyPatch.context() as patch, pytest.raises(KeyboardInterrupt):
+        patch.setattr("simulations.command.progress.Progress.step", stop)
         fretting.main(coarse_arguments(folder, **RUN))
-    monkeypatch.undo()
     return folder
+
+
+@pytest.fixture
+def stopped(after_two, tmp_path):
+    return shutil.copytree(after_two, tmp_path / "run")
 
 
 def test_other_keys_are_refused(stopped):
