@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 from running import run_command
-from solving import deviations
+from solving import deviations, simulated
 
 from simulations import fretting, run, sweep
 from simulations.output import results
@@ -29,14 +29,6 @@ PATH = (  # without coupling, from P alone on
 )
 
 
-def simulated(scene) -> Simulation:
-    return Simulation(MPI.COMM_SELF, scene).run_to_end()
-
-
-def scene_with(sets, text=DEFAULT_SCENE):
-    return parse(text, tuple(f"{key}={value}" for key, value in sets.items()))
-
-
 def largest_of_all_states(simulation) -> float:
     """What ``--accuracy`` promises: fields of every state of the cycle; a, c and energy at its end."""
     exact = of_same_physics(simulation)
@@ -44,35 +36,36 @@ def largest_of_all_states(simulation) -> float:
     return max(map(abs, (*last.values(), *worst.values())))
 
 
-def elsewhere(wanted, k, nu, mu, amplitude, coupling="false"):
-    sets = {"solid.k": k, "solid.nu": nu, "effects.coupling": coupling, "load.mu": mu, "load.amplitude": amplitude}
-    return scene_with(sets | {"solver.accuracy": wanted})
+def elsewhere(wanted, k, nu, mu, amplitude, coupling=False) -> dict:
+    keys = {"solid.k": k, "solid.nu": nu, "effects.coupling": coupling, "load.mu": mu, "load.amplitude": amplitude}
+    return keys | {"solver.accuracy": wanted}
 
 
 @pytest.mark.parametrize(
     "coupling, wanted, k, nu, mu, amplitude",
     [
-        ("false", 1e-2, 0.2, 0.25, 0.5, 0.5),
-        ("false", 2e-3, 0.2, 0.25, 0.5, 0.5),
-        ("false", 2e-3, 0.5, 0.2, 0.2, 0.7),
-        ("false", 2e-3, 0.8, 0.3, 0.6, 0.45),
-        ("false", 1e-2, -0.4, 0.3, 0.4, 0.6),
-        ("false", 1e-2, -0.1, 0.3, 0.4, 0.6),
-        ("false", 1e-2, 0.4, 0.3, 0.5, 0.2),  # a small tangential load
-        ("true", 3e-3, 0.4, 0.2, 0.4, 0.7),
-        ("true", 1e-2, 0.15, 0.1, 0.5, 0.5),
-        ("true", 1e-2, -0.2, 0.25, 0.4, 0.6),
+        (False, 1e-2, 0.2, 0.25, 0.5, 0.5),
+        (False, 2e-3, 0.2, 0.25, 0.5, 0.5),
+        (False, 2e-3, 0.5, 0.2, 0.2, 0.7),
+        (False, 2e-3, 0.8, 0.3, 0.6, 0.45),
+        (False, 1e-2, -0.4, 0.3, 0.4, 0.6),
+        (False, 1e-2, -0.1, 0.3, 0.4, 0.6),
+        (False, 1e-2, 0.4, 0.3, 0.5, 0.2),  # a small tangential load
+        (True, 3e-3, 0.4, 0.2, 0.4, 0.7),
+        (True, 1e-2, 0.15, 0.1, 0.5, 0.5),
+        (True, 1e-2, -0.2, 0.25, 0.4, 0.6),
     ],
 )
 def test_holds_for_scenes_that_were_not_used_to_calibrate(coupling, wanted, k, nu, mu, amplitude):
-    assert largest_of_all_states(simulated(elsewhere(wanted, k, nu, mu, amplitude, coupling))) <= wanted
+    simulation = simulated(elsewhere(wanted, k, nu, mu, amplitude, coupling))
+    assert largest_of_all_states(simulation) <= wanted
 
 
 def test_holds_in_every_state_of_a_path_without_friction():
     """Where a single load is enough to choose by, the mesh of this path has 2.4e-3 after relief."""
     keys = {"solid.k": -0.3, "solid.nu": 0.3, "load.points": [[1e4, 0], [5e3, 0], [1.5e4, 0]], "solver.accuracy": 1e-3}
-    scene = make_scene({"solid.E0": 1e9, "solid.y0": 0.01, "indenter.R": 0.1} | keys, base=None)
-    assert largest_of_all_states(simulated(scene)) <= 1e-3
+    simulation = simulated({"solid.E0": 1e9, "solid.y0": 0.01, "indenter.R": 0.1} | keys, base=None)
+    assert largest_of_all_states(simulation) <= 1e-3
 
 
 def test_more_is_expected_where_the_slip_zone_has_few_facets():
@@ -82,16 +75,16 @@ def test_more_is_expected_where_the_slip_zone_has_few_facets():
 
 def test_steep_ends_are_cut_where_the_quadrature_misses_nothing():
     """For k < 0 the place of an edge in its facet is worth more than the size of that: the best against the middle."""
-    sets = accuracy.family(2.0, -0.5) | {"solid.k": -0.5, "solid.nu": 0.3, "effects.coupling": "false"}
-    placed = deviations(simulated(scene_with(sets)))
-    quarter = deviations(simulated(scene_with(sets | {"mesh.edge_at": 0.25})))
+    keys = accuracy.family(2.0, -0.5) | {"solid.k": -0.5, "solid.nu": 0.3, "effects.coupling": False}
+    placed = deviations(simulated(keys))
+    quarter = deviations(simulated(keys | {"mesh.edge_at": 0.25}))
     assert abs(placed["pressure_l2"]) < 2e-4 < 3e-4 < abs(quarter["pressure_l2"])
     assert abs(placed["traction_l2"]) < 0.3 * abs(quarter["traction_l2"])
 
 
 @pytest.mark.slow
 def test_five_digits_where_the_load_turns():
-    errors = deviations(simulated(scene_with(accuracy.family(0.7, 0.3))))
+    errors = deviations(simulated(accuracy.family(0.7, 0.3)))
     assert max(map(abs, errors.values())) <= 1e-5, errors
 
 
@@ -120,7 +113,7 @@ def test_what_cannot_be_reached_is_refused_with_the_best_that_can():
     with pytest.raises(SceneError, match="the best measured for k = -0.5 is 0.5 or more"):
         accuracy.choose(0.4, -0.5, 1 - 1e-6)
     with pytest.raises(SceneError, match="lies outside"):
-        elsewhere(1e-3, -0.8, 0.3, 0.3, 0.9)
+        make_scene(elsewhere(1e-3, -0.8, 0.3, 0.3, 0.9))
 
 
 def test_cell_sizes_are_not_given_twice():
@@ -132,10 +125,11 @@ def test_cell_sizes_are_not_given_twice():
 
 def test_a_coating_is_coupled_at_the_holl_ratio_of_its_k_too():
     coupled, uncoupled = (accuracy.choose(3e-3, 0.3, 0.9, which).mesh["mesh.facet"] for which in (True, False))
-    sets = {"solid.nu": 1 / 2.3, "solver.accuracy": 3e-3}
-    coating = {"solid.modulus": '"power-law coating"', "solid.thickness_over_a0": 5}
-    assert scene_with(sets | coating).mesh.facet == coupled != uncoupled == scene_with(sets).mesh.facet
-    assert f"facets of {coupled:g} a" in estimate.expectation(scene_with(sets | coating))
+    power_law = make_scene({"solid.nu": 1 / 2.3, "solver.accuracy": 3e-3})
+    keys = {"solid.nu": 1 / 2.3, "solid.modulus": "power-law coating", "solid.thickness_over_a0": 5}
+    coating = make_scene(keys | {"solver.accuracy": 3e-3})
+    assert coating.mesh.facet == coupled != uncoupled == power_law.mesh.facet
+    assert f"facets of {coupled:g} a" in estimate.expectation(coating)
 
 
 def test_the_table_covers_the_study():
@@ -158,14 +152,13 @@ def test_nothing_of_the_study_is_refused(monkeypatch):
     meshes = [(case.text, case.sets | more) for case in cases(with_getfem=False) for more in ({}, COARSE)]
     for text, sets in {repr(mesh): mesh for mesh in meshes}.values():
         with pytest.raises(Accepted):
-            Simulation(MPI.COMM_SELF, scene_with(sets, text))
+            Simulation(MPI.COMM_SELF, parse(text, tuple(f"{key}={value}" for key, value in sets.items())))
 
 
 def test_estimate_is_no_smaller_than_the_error_and_not_much_larger():
     """Where there is a closed form the estimate of two meshes can be judged."""
-    scene = parse(DEFAULT_SCENE, ("solver.accuracy=1e-3",))
-    fine = simulated(scene)
-    other, ratio = estimate.second(MPI.COMM_SELF, scene)
+    fine = simulated({"solver.accuracy": 1e-3})
+    other, ratio = estimate.second(MPI.COMM_SELF, fine.scene)
     errors = estimate.estimated(fine, other.run_to_end(), ratio)
     estimated = max(errors.last.values())
     assert errors.largest > errors.worst["pressure_l2"] >= errors.last["pressure_l2"]
@@ -186,7 +179,7 @@ def test_second_mesh_is_a_finer_one_where_a_coarser_one_is_refused():
 @pytest.mark.parametrize("points", ["[1e4, 2e3], [6e3, 1e3], [1e4, -1e3]", "[2e4, 5.5e3]"])
 def test_estimate_knows_what_few_load_steps_do(points):
     """One load step from point to point: both meshes have the same error of the energy, 3e-3 and 5e-2."""
-    path = simulated(parse(PATH.format(points), ("solver.accuracy=2e-3", "solver.increments=1")))
+    path = simulated({"solver.accuracy": 2e-3, "solver.increments": 1}, PATH.format(points))
     error = max(map(abs, deviations(path).values()))
     check, found = estimate.judged(path, None)
     assert found["is_estimate"] and error < 1.5 * check.value < 6 * error
@@ -195,9 +188,9 @@ def test_estimate_knows_what_few_load_steps_do(points):
 
 def test_estimate_knows_what_few_load_steps_do_to_a_strain_that_lags():
     """Four load steps a quarter leave 3 % of the energy out."""
-    lag = "load.bulk_strain=2e-4", "load.bulk_phase=90", "solver.accuracy=1e-2"
-    lag += "solid.k=0", "solid.nu=0.3", "effects.coupling=false"
-    few, many = (simulated(parse(DEFAULT_SCENE, (*lag, f"solver.increments={steps}"))) for steps in (4, 24))
+    lag = {"load.bulk_strain": 2e-4, "load.bulk_phase": 90, "solver.accuracy": 1e-2}
+    lag |= {"solid.k": 0, "solid.nu": 0.3, "effects.coupling": False}
+    few, many = (simulated(lag | {"solver.increments": steps}) for steps in (4, 24))
     error = abs(few.history.dissipated_energy / many.history.dissipated_energy - 1)
     check, found = estimate.judged(few, None)
     assert 0.01 < error < 1.5 * found["errors"]["dissipated_energy"] < 6 * error
@@ -205,12 +198,12 @@ def test_estimate_knows_what_few_load_steps_do_to_a_strain_that_lags():
 
 
 @pytest.mark.parametrize(
-    "effect", [("solid.nu=-0.2", "load.amplitude=0.5"), ("solid.nu=0.1", "effects.elastic_slip=1e-7")]
+    "effect", [{"solid.nu": -0.2, "load.amplitude": 0.5}, {"solid.nu": 0.1, "effects.elastic_slip": 1e-7}]
 )
 def test_estimate_knows_what_few_load_steps_do_to_the_energy_of_a_loop(effect):
     """One load step a quarter; what the meshes alone tell is less than half of the error."""
-    loop = "reference.kind=none", "solver.accuracy=1e-2", *effect
-    few, many = (simulated(parse(DEFAULT_SCENE, (*loop, f"solver.increments={steps}"))) for steps in (1, 12))
+    loop = {"reference.kind": "none", "solver.accuracy": 1e-2} | effect
+    few, many = (simulated(loop | {"solver.increments": steps}) for steps in (1, 12))
     error = abs(few.history.dissipated_energy / many.history.dissipated_energy - 1)
     _, found = estimate.judged(few, None)
     assert 1e-3 < error < 1.5 * found["errors"]["dissipated_energy"] < 6 * error
@@ -219,7 +212,7 @@ def test_estimate_knows_what_few_load_steps_do_to_the_energy_of_a_loop(effect):
 def test_normal_increments_are_not_doubled_without_friction_in_the_normal_stage():
     """They have no effect, and twice as many would be too many for a scene."""
     path = PATH.format("[1e4, 2e3], [6e3, 1e3]")
-    few = simulated(scene_with(COARSE | {"solver.increments": 1, "solver.normal_increments": 600}, path))
+    few = simulated(COARSE | {"solver.increments": 1, "solver.normal_increments": 600}, path)
     assert np.isfinite(estimate.of_load_steps(few).largest)
 
 
@@ -323,8 +316,7 @@ def test_an_accuracy_that_cannot_be_judged_fails_the_run(tmp_path, monkeypatch):
 def test_load_steps_are_no_advice_without_friction():
     """Nothing depends on the loads before."""
     relieved = "solid.E0 = 1e9\nsolid.k = -0.3\nsolid.nu = 0.3\nsolid.y0 = 0.01\nindenter.R = 0.1\n"
-    scene = parse(relieved + "load.points = [[1e4, 0], [5e3, 0]]\nsolver.accuracy = 1e-3\n")
-    simulation = simulated(scene)
+    simulation = simulated({"load.points": [[1e4, 0], [5e3, 0]], "solver.accuracy": 1e-3}, relieved)
     exact = compared(simulation, of_same_physics(simulation))
     check, _ = estimate.judged(simulation, replace(exact, worst={"p": 0.1}))
     assert not check.holds and check.cause == estimate.TOO_COARSE and "increments" not in check.cause
