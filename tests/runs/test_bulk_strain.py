@@ -159,9 +159,8 @@ def test_stress_instead_of_strain():
     assert scene.bulk_strain == pytest.approx(1e8 * (1 - 0.3**2) / E)
 
 
-@pytest.mark.parametrize("modulus", ["linear", "exponential"])
-def test_stress_in_a_coating_needs_its_depth(modulus):
-    solid = {"modulus": modulus, "E0": 100e9, "E_substrate": 200e9, "thickness": 1e-3, "nu": 0.3}
+def test_stress_in_a_coating_needs_its_depth():
+    solid = {"modulus": "linear", "E0": 100e9, "E_substrate": 200e9, "thickness": 1e-3, "nu": 0.3}
     changes = {"solid": solid | {"k": None, "y0_over_a0": None}, "load.bulk_stress": 1e8}
     with pytest.raises(SceneError, match="load.bulk_depth is missing: the depth .*, a number > 0"):
         make_scene(changes)

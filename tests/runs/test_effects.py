@@ -126,7 +126,7 @@ def test_coupling_is_as_large_as_independent_solvers_find(k, nu, pressure, tract
     assert found["dissipated_energy"] == pytest.approx(energy, abs=0.006)
 
 
-@pytest.mark.parametrize("k, nu, friction_first", [(0.3, 0.3, False), (0.0, 0.3, False), (0.3, 0.3, True)])
+@pytest.mark.parametrize("k, nu, friction_first", [(0.0, 0.3, False), (0.3, 0.3, True)])
 def test_coupled_loops_match_the_half_plane_solver(k, nu, friction_first):
     """No mesh, weak form or truncation is shared."""
     simulation = solved(

@@ -11,7 +11,7 @@ import pytest
 from refusals import REFUSED, SCENES, refusal, write_scenes
 from running import ROOT, coarse_arguments, environment, python, run_command, run_python, start_python
 
-from simulations.scene import DEFAULT_SCENE, SceneError, parse
+from simulations.scene import DEFAULT_SCENE, SceneError
 
 SECONDS = 5  # of the processor: a busy machine counts for nothing
 
@@ -63,17 +63,6 @@ def test_commands_end_with_code_2(case, ranks, folder):
         own = [line for line in own if line and not line.startswith("[")]
     assert len(own) == 1, done.stderr
     check(own[0], words)
-
-
-NEEDED = ("solid.E0", "solid.k", "solid.nu", "indenter.R", "load.P", "load.mu", "load.amplitude")
-
-
-@pytest.mark.parametrize("key", NEEDED)
-def test_missing_key_is_named(key):
-    name = key.partition(".")[2]
-    text = "\n".join(line for line in DEFAULT_SCENE.splitlines() if not line.startswith(f"{name} "))
-    with pytest.raises(SceneError, match=f"{key} is missing"):
-        parse(text)
 
 
 def test_no_room_for_results(tmp_path):
