@@ -7,6 +7,7 @@ from running import coarse_overrides
 
 from simulations.loading.fallbacks import FALLBACKS, Options
 from simulations.runs.comparison import compare
+from simulations.runs.energy import EnergyMeter, EnergyStep
 from simulations.runs.reference import closed_form
 from simulations.runs.simulation import Simulation
 from simulations.scene import DEFAULT_SCENE, make_scene, parse
@@ -36,6 +37,14 @@ def solved(text=DEFAULT_SCENE, cells=None, **changes) -> Simulation:
 def simulated(keys, base=DEFAULT_SCENE, cells=None) -> Simulation:
     """A scene with these keys on the mesh that it asks for, or that of ``cells``, run to its end."""
     return Simulation(MPI.COMM_SELF, make_scene(keys, base), cells).run_to_end()
+
+
+def metered(simulation: Simulation) -> list[EnergyStep]:
+    """The energies of each load step of a simulation, which is run to its end."""
+    meter = EnergyMeter(simulation.body)
+    for entry in simulation.run():
+        meter.read(entry)
+    return meter.steps
 
 
 def limit_stepping(monkeypatch, **options):

@@ -73,33 +73,29 @@ def test_page(folder):
     assert f"{quantity(summary['a'], 'm')} {quantity(make_scene().contact.a, 'm')} " in page.text
 
 
-def without_pictures(folder):
+def text_with(folder, changes) -> str:
+    """The page of a run whose summary has these changes, without pictures, which take longest."""
+    (folder / "summary.json").write_text(json.dumps(summary_of(folder) | changes))
     for name in ("surface.h5", "fretting.png"):
         (folder / name).unlink()
     shutil.rmtree(folder / "fields")
+    return Page(report.page(folder)).text
 
 
 def test_a_check_that_fails_is_said(folder):
-    summary = summary_of(folder)
-    summary["checks"]["gap >= 0"] = {"value": 0.02, "limit": 1e-3, "cause": "a coarse mesh", "holds": False}
-    (folder / "summary.json").write_text(json.dumps(summary | {"checks_hold": False}))
-    without_pictures(folder)
-    text = Page(report.page(folder)).text
+    failing = {"gap >= 0": {"value": 0.02, "limit": 1e-3, "cause": "a coarse mesh", "holds": False}}
+    text = text_with(folder, {"checks": summary_of(folder)["checks"] | failing, "checks_hold": False})
     assert "checks of the result fail" in text and "2.0e-02 1.0e-03 fails" in text
     assert text.count(f"{CHECKS['gap >= 0']}: a coarse mesh") == 1
 
 
 def test_a_half_width_that_is_not_known_is_a_dash(folder):
-    (folder / "summary.json").write_text(json.dumps(summary_of(folder) | {"c_over_a": None}))
-    without_pictures(folder)
-    assert "stick half-width over contact half-width, c/a –" in Page(report.page(folder)).text
+    assert "stick half-width over contact half-width, c/a –" in text_with(folder, {"c_over_a": None})
 
 
 def test_a_warning_is_said(folder):
-    summary = summary_of(folder) | {"warnings": ["the stick zone < 5 facets"]}
-    (folder / "summary.json").write_text(json.dumps(summary))
-    without_pictures(folder)
-    assert "Warning: the stick zone < 5 facets" in Page(report.page(folder)).text
+    words = "the stick zone < 5 facets"
+    assert f"Warning: {words}" in text_with(folder, {"warnings": [words]})
 
 
 def test_the_density_of_the_energy_is_drawn_where_the_run_has_it(folder):
@@ -170,20 +166,17 @@ def test_page_without_a_reference(path, folder):
 
 def test_a_page_without_a_title_has_the_name_of_the_folder(folder, monkeypatch):
     """From within it too, as ``report .``."""
-    (folder / "summary.json").write_text(json.dumps(summary_of(folder) | {"title": ""}))
-    without_pictures(folder)
+    assert text_with(folder, {"title": ""}).startswith("copy ")
     monkeypatch.chdir(folder)
-    for path in (folder, Path(".")):
-        assert "<h1>copy</h1>" in report.page(path)
+    assert "<h1>copy</h1>" in report.page(Path("."))
 
 
 def test_page_of_a_run_that_stopped(folder):
     missing = ("a", "errors", "reference", "checks")
     kept = {name: value for name, value in summary_of(folder).items() if name not in missing}
-    (folder / "summary.json").write_text(json.dumps(kept | {"converged": False, "failure": "no <equilibrium>"}))
-    without_pictures(folder)
-    page = Page(report.page(folder))
-    assert "no <equilibrium>" in page.text and "nothing was checked" in page.text
+    (folder / "summary.json").write_text(json.dumps(kept))
+    text = text_with(folder, {"converged": False, "failure": "no <equilibrium>"})
+    assert "no <equilibrium>" in text and "nothing was checked" in text
 
 
 @pytest.mark.parametrize("content", ["", "{}", "[]", '{"title": 3}'])

@@ -8,6 +8,7 @@ import meshio
 import numpy as np
 import pandas
 import pytest
+from pictured import along
 from running import coarse_arguments, csv_rows, run_command, surface
 from solving import CYCLING, limit_stepping, without_path
 
@@ -162,17 +163,14 @@ def runs_by_ranks(tmp_path_factory):
     return folders
 
 
-def test_a_path_without_tangential_load_has_a_picture(tmp_path):
+def test_a_path_without_tangential_load_has_a_picture(tmp_path, capsys):
     """It has friction and no state of a loop or a path to name."""
-    scene = tmp_path / "pressed.toml"
-    solid = '[solid]\nmodulus = "homogeneous"\nE0 = 210e9\nnu = 0.3\n[indenter]\nR = 0.1\n'
-    load = "[load]\nmu = 0.3\npoints = [[1e6, 0], [2e6, 0], [1e6, 0]]\n"
-    mesh = "[mesh]\nfacet = 0.1\nedge_facet = 0.02\nfirst_layer = 0.02\n[solver]\nincrements = 1\n"
-    scene.write_text(solid + load + mesh)
-    done = run_command(str(scene), "--reference", "none", "--output", str(tmp_path / "run"))
-    assert done.returncode == 0 and (tmp_path / "run" / "fretting.png").stat().st_size > 0
-    assert "\nerrors are not known: reference.kind = none\n" in done.stdout and "relative" not in done.stdout
-    assert "stick half-width c/a [-]" in done.stdout and "peak pressure [Pa]" in done.stdout
+    points = [[1e6, 0.0], [2e6, 0.0], [1e6, 0.0]]
+    folder = along(tmp_path, points, solid__nu=0.3, solver__increments=1, reference__kind='"none"')
+    said = capsys.readouterr().out
+    assert (folder / "fretting.png").stat().st_size > 0
+    assert "\nerrors are not known: reference.kind = none\n" in said and "relative" not in said
+    assert "stick half-width c/a [-]" in said and "peak pressure [Pa]" in said
 
 
 def test_same_answer_on_three_ranks(runs_by_ranks):

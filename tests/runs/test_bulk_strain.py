@@ -4,14 +4,14 @@ import numpy as np
 import pandas
 import pytest
 from running import ROOT, coarse_arguments
-from solving import coarse_simulation, simulated, solved
+from solving import coarse_simulation, metered, simulated, solved
 
 from simulations import fretting
 from simulations.fem.body_sample import BodySampler
 from simulations.loading.schedule import rocking, stretched
 from simulations.runs.closed_forms import StretchedForm
 from simulations.runs.comparison import compare, compare_all, relative_l2
-from simulations.runs.energy import EnergyMeter, worst_defect
+from simulations.runs.energy import worst_defect
 from simulations.runs.mesh_free import MeshFree, equal_shares, refined
 from simulations.runs.reference import of_same_physics
 from simulations.scene import SceneError, make_scene, parse
@@ -34,14 +34,12 @@ def test_no_trace_without_it():
 def test_against_the_closed_form():
     """Coarse cells; energy balance with the work of the strain; the slip in the stick zone is none; stress below."""
     simulation = coarse_simulation(UNCOUPLED, solid__k=0.3, load__bulk_strain=1e-3)
-    meter = EnergyMeter(simulation.body)
-    for entry in simulation.run():
-        meter.read(entry)
+    energies = metered(simulation)
     exact = of_same_physics(simulation)
     assert isinstance(exact, StretchedForm)
     found = compare(simulation.history, exact)
     assert found["traction_l2"] < 1e-2 and abs(found["dissipated_energy"]) < 1e-2 and abs(found["c"]) < 1e-2
-    assert worst_defect(meter.steps) < 1e-7
+    assert worst_defect(energies) < 1e-7
     last, loop = simulation.history.entries[-1], simulation.stretched
     assert np.mean(last.stick) == pytest.approx(loop.shift, abs=2e-3)
     stuck = np.abs(last.surface.x - loop.shift) < 0.7 * loop.c

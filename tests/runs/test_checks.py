@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from running import coarse_arguments, run_command
-from solving import coarse_simulation, solved
+from solving import coarse_simulation, metered, solved
 
 from simulations.output.table import table
 from simulations.runs import checks, report_data
@@ -21,14 +21,11 @@ from simulations.runs.mesh_free import MeshFree
 @pytest.fixture(scope="module")
 def loop():
     simulation = coarse_simulation(solid__nu=0.3)
-    meter = EnergyMeter(simulation.body)
-    for entry in simulation.run():
-        meter.read(entry)
-    return simulation, meter
+    return simulation, metered(simulation)
 
 
 def test_energy_balances_exactly_in_every_increment(loop):
-    assert worst_defect(loop[1].steps) < 1e-9
+    assert worst_defect(loop[1]) < 1e-9
 
 
 def test_energy_balance_sees_a_wrong_displacement():
@@ -46,10 +43,8 @@ def test_work_in_a_cycle_tends_to_what_is_dissipated():
     defects = []
     for increments in (4, 8):
         simulation = coarse_simulation(solver__increments=increments)
-        meter = EnergyMeter(simulation.body)
-        for entry in simulation.run():
-            meter.read(entry)
-        cycle = meter.steps[-len(simulation.history.last_cycle) :]
+        steps = metered(simulation)
+        cycle = steps[-len(simulation.history.last_cycle) :]
         lost = sum(step.indenter + step.boundary - step.stored for step in cycle)
         defects.append(abs(lost / simulation.history.dissipated_energy - 1))
     assert defects[1] < 0.4 * defects[0] < 0.02
@@ -94,10 +89,10 @@ def test_a_contact_without_a_width_and_a_negative_energy_fail(loop):
 @pytest.mark.parametrize("name", ["pressure", "traction"])
 def test_a_number_that_is_none_is_seen_in_every_load_step(loop, name):
     """The built-in ``max`` passes over a nan that is not the first."""
-    simulation, meter = loop
+    simulation, energies = loop
     history = simulation.history
     values = getattr(history.entries[-2].surface, name)
-    saved, steps = values.copy(), [*meter.steps]
+    saved, steps = values.copy(), [*energies]
     values[len(values) // 2] = np.nan
     steps[-2] = replace(steps[-2], **{"gap" if name == "pressure" else "friction": np.nan})
     try:

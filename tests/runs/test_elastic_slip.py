@@ -2,14 +2,14 @@
 
 import numpy as np
 import pytest
-from solving import coarse_simulation, simulated, solved
+from solving import coarse_simulation, metered, simulated, solved
 
 from analytic import GradedHalfPlane, HalfPlaneContact, PowerLawKernel
 from analytic.half_plane.critical_friction import RateOperator, smallest_singular
 from analytic.half_plane.operator import element_moments
 from simulations.runs import checks
 from simulations.runs.comparison import compare
-from simulations.runs.energy import EnergyMeter, worst_defect
+from simulations.runs.energy import worst_defect
 from simulations.runs.mesh_free import MeshFree
 from simulations.runs.plan import Plan
 from simulations.runs.reference import neglected, of_same_physics
@@ -34,10 +34,7 @@ def l2(surface, difference, scale):
 def elastic():
     """A run, and its energy balance."""
     simulation = with_elastic_slip(0.1)
-    meter = EnergyMeter(simulation.body)
-    for entry in simulation.run():
-        meter.read(entry)
-    return simulation, worst_defect(meter.steps)
+    return simulation, worst_defect(metered(simulation))
 
 
 def test_is_that_of_the_half_plane_solver_at_every_state(elastic):

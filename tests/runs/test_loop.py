@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from solving import coarse_simulation, deviations, solved
+from solving import coarse_simulation, deviations, simulated, solved
 
 from simulations.fem.mesh import Grading
 from simulations.runs.comparison import relative_l2
@@ -114,21 +114,9 @@ def test_repeated_increment_changes_nothing():
 def test_units(condensed, factor):
     """Lengths and stresses in other units give the same numbers in those units."""
     length, stress = factor, 1 / factor**1.5
-    values = condensed.scene.to_keys()
-    text = f"""
-        [solid]
-        E0 = {values["solid.E0"] * stress!r}
-        k = 0.3
-        nu = "holl"
-        y0 = {values["solid.y0"] * length!r}
-        [indenter]
-        R = {values["indenter.R"] * length!r}
-        [load]
-        P = {values["load.P"] * stress * length!r}
-        mu = 0.3
-        amplitude = 0.9
-    """
-    other = solved(text)
+    keys = condensed.scene.to_keys()
+    factors = {"solid.E0": stress, "solid.y0": length, "indenter.R": length, "load.P": stress * length}
+    other = simulated(keys | {name: keys[name] * by for name, by in factors.items()}, base=None)
     mine, theirs = condensed.history.entries[-1], other.history.entries[-1]
     units, others = Scales.of(condensed.scene), Scales.of(other.scene)
     assert others.stress * theirs.surface.pressure == pytest.approx(
