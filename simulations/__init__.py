@@ -41,25 +41,7 @@ _EXPORTS = {
     "Simulation": "runs.simulation",
     "sweep": "studies.sweeping",
 }
-__all__ = [
-    "ChecksWarning",
-    "DEFAULT_SCENE",
-    "Result",
-    "Scene",
-    "SceneError",
-    "Simulation",
-    "SolveError",
-    "__version__",
-    "body_functions",
-    "closed_form",
-    "compare",
-    "language",
-    "make_scene",
-    "of_same_physics",
-    "parse",
-    "run",
-    "sweep",
-]
+__all__ = ["__version__", *_EXPORTS]
 
 
 def __getattr__(name: str) -> Any:
