@@ -38,19 +38,6 @@ def test_a_finished_run_is_not_replaced(finished):
     assert contents(finished) == before
 
 
-def test_two_scenes_of_one_name_do_not_share_a_folder(tmp_path, monkeypatch):
-    """Not silently: the second is refused, in the default folder too."""
-    monkeypatch.chdir(tmp_path)
-    for place in ("one", "two"):
-        (tmp_path / place).mkdir()
-        (tmp_path / place / "scene.toml").write_text("solid.E0 = 1e9\nsolid.nu = 0.3\nindenter.R = 0.1\nload.P = 1e4\n")
-    coarse = ["--set", "solid.k=0.1", "--set", "solid.y0=0.1", "--quiet", "--reference", "none"]
-    fretting.main(["one/scene.toml", *coarse])
-    before = contents(tmp_path / "results" / "scene")
-    assert "results/scene is not allowed: it holds a finished run" in refusal("two/scene.toml", *coarse)
-    assert contents(tmp_path / "results" / "scene") == before
-
-
 @pytest.mark.parametrize("more", [(), ("--overwrite",)], ids=["", "overwrite"])
 def test_the_users_files_are_never_touched(tmp_path, more):
     own = "solid.E0 = 1e9\nsolid.nu = 0.3\nsolid.k = 0.1\nsolid.y0 = 0.1\nindenter.R = 0.1\nload.P = 1e4\n"
