@@ -18,7 +18,7 @@ from simulations.output.body_quantities import from_stress
 from simulations.output.body_states import body_functions
 from simulations.output.field_index import local_nodes
 from simulations.output.fields import FieldWriter
-from simulations.scene import SceneError
+from simulations.scene import SceneError, make_scene
 from simulations.scene.output import FIELDS
 
 UNCOUPLED = {"effects__coupling": "false", "load__cycles": 0}
@@ -131,7 +131,7 @@ def test_functions_of_dolfinx(folder):
     u, mesh = fields["displacement"], fields["displacement"].function_space.mesh
     assert u.function_space.element.basix_element.degree == 2
     y, nu = ufl.SpatialCoordinate(mesh)[1], 1 / 2.3
-    E = 210e9 * (-y / y0(folder)) ** 0.3
+    E = 210e9 * (-y / make_scene().solid.y0) ** 0.3
     strain = ufl.sym(ufl.grad(u))
     stress = E / (1 + nu) * (strain + nu / (1 - 2 * nu) * ufl.tr(strain) * ufl.Identity(2))
     constants = fields["stress_xx"].function_space
@@ -188,11 +188,6 @@ def test_the_gap_without_coupling_is_that_of_the_pressure():
         assert gap == pytest.approx(gaps[0], abs=1e-9)
         closed = entry.surface.pressure > 0
         assert np.abs(gap[closed]).max() < 1e-3 and gap[~closed].min() > -1e-3
-
-
-def y0(folder):
-    lines = (folder / "scene.toml").read_text().splitlines()
-    return float(next(line.partition("=")[2] for line in lines if line.startswith("y0 =")))
 
 
 INTEGRALS = """

@@ -37,17 +37,13 @@ def test_without_coupling_there_is_none():
     assert critical_friction.expected(simulation.scene, simulation.effects) is None
 
 
-def test_summary_has_both_bounds_and_the_mesh_has_its_own():
+def test_summary_has_both_bounds_and_a_run_that_zigzags_says_where_it_lies():
     simulation = coarse_simulation(**COUPLED, load__mu=0.3, load__cycles=0, solver__increments=1).run_to_end()
     told = summary(simulation, find(simulation))["critical_friction"]
     assert told["lower"] == pytest.approx(1.235, abs=1e-3) and told["upper"] == pytest.approx(1.764, abs=1e-3)
     own = zigzag_cause.critical_of_mesh(simulation)
     assert 1.0 < own < 2.0  # 1.4 with equal facets of degree 2
     assert "is below" in zigzag_cause.cause(simulation)
-
-
-def test_a_run_that_zigzags_says_on_which_side_it_lies():
-    simulation = coarse_simulation(**COUPLED, load__mu=0.3, load__cycles=0, solver__increments=1).run_to_end()
     surface = simulation.history.entries[-1].surface
     surface.traction[:] += 0.3 * surface.pressure * (-1.0) ** np.arange(surface.x.size)
     found = check(simulation.history, lambda x: x**2 / 2, lambda: zigzag_cause.cause(simulation))

@@ -63,7 +63,6 @@ def test_a_long_elastic_slip_is_told():
     [
         ("load.P=1e9",),
         ("load.P=1e9", "indenter.profile=circle"),
-        ("load.P=1e9", "indenter.profile=formula", "indenter.formula=x**2/(2*R)"),
         ("load.P=2e9", "indenter.profile=rounded flat", "indenter.flat=1e-3"),
         ("load.P=1e9", "solid.modulus=power-law coating", "solid.thickness=1e-3", "solid.nu=0.3"),
     ],
