@@ -94,6 +94,10 @@ loop() {
 input() { [[ $(echo x | "$run" cat) == x && $(echo 'print(6 * 7)' | "$run" python -) == 42 ]]; }
 rank_input() { [[ $(echo x | "$run" mpirun --stdin 0 -n 1 cat) == x ]]; }
 rank_status() { "$run" mpirun -n 2 sh -c 'exit 4'; (($? == 4)); }
+rank_last_words() { # what a rank writes to mpirun's own stderr is not written over by the next command of a job
+    { "$run" mpirun -n 1 sh -c 'echo last words >>/proc/$PPID/fd/2' && echo next >&2; } 2>log
+    [[ $(<log) == "last words"$'\n'next ]] || { cat log && return 1; }
+}
 status() { "$run" sh -c 'exit 7'; (($? == 7)); }
 together() {
     local first second
@@ -177,6 +181,7 @@ check "SIGTERM ends the command" signalled 15
 check "SIGINT to mpirun is told by the exit status" mpirun_ends INT 130
 check "SIGTERM to mpirun is told by the exit status" mpirun_ends TERM 143
 check "and so is what its ranks end with" rank_status
+check "a file keeps the last line of a rank" within "$work/own" rank_last_words
 for folder in / /usr /etc /bin /lib /proc /opt/stack /var; do
     [[ ! -d $folder ]] || check "--mount $folder is refused" refused "$folder" "$run" --mount "$folder" true
 done
