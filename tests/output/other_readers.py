@@ -17,7 +17,7 @@ def states(folder: Path) -> list[dict[str, np.ndarray]]:
     found = []
     for path in sorted((folder / "fields").glob("0*.h5")):
         with h5py.File(path) as file:
-            found.append({name: file[name][...] for name in file})
+            found.append({name: file[name][...] for name in file if name != "lines"})  # a group, in lines.csv alone
     return found
 
 
