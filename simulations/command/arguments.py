@@ -140,7 +140,8 @@ def _split_petsc(arguments, options):
     awaits_value = False
     for argument in arguments:
         is_option = argument.startswith("-") and argument[1:2].isalpha() and argument != "-h"
-        if is_option and (close := difflib.get_close_matches("-" + argument, options, n=1, cutoff=0.8)):
+        begun = [name for name in options if len(argument) == 2 and name.startswith("-" + argument)]
+        if is_option and (close := begun or difflib.get_close_matches("-" + argument, options, n=1, cutoff=0.8)):
             raise SceneError(f"option {shown(argument)} is not known: did you mean {close[0]}?")
         is_value = awaits_value and not argument.startswith("--") and not argument.endswith(".toml")
         (petsc if is_option or is_value else own).append(argument)

@@ -57,6 +57,7 @@ REFUSED: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "unknown table": (by_set("quark.zzz=1"), ("quark.zzz", "there are title and the tables")),
     "unknown option": (("--ouput", "x"), ("--ouput",)),
     "one dash": (("-output", "x"), ("-output", "did you mean --output?")),
+    "one letter": (("-o", "x"), ("option '-o' is not known: did you mean --output?",)),
     "two scenes": (("a.toml", "b.toml"), ("b.toml",)),
     "unknown choice": (by_set("solver.method=fulll"), ("'fulll'", '"condensed" or "full"')),
     "unknown profile": (by_set("indenter.profile=wedge"), ("'wedge'", '"parabola"')),
