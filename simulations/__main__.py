@@ -63,7 +63,7 @@ def listing() -> str:
     """The commands, a line each."""
     lines = [f"graded-fretting {__version__}", "", "graded-fretting COMMAND, or python -m simulations.MODULE; --help"]
     for name, (module, arguments, what) in COMMANDS.items():
-        lines.append(f"  {f'{name} {arguments}':38s} {module:20s} {what}")
+        lines.append(f"  {f'{name} {arguments}':38s} {module:25s} {what}")
     return "\n".join(lines)
 
 
