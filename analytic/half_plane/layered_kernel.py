@@ -35,21 +35,21 @@ TABLE = 400  # points of the tabulated smooth part
 
 
 def surface_compliance(modulus, nu, wavenumber, depth, surface_exponent=0.0):
-    """Compliance C_xx, C_yy and Im C_xy at the wavenumber ω > 0 [length/stress], shape (3,), as in PowerLawKernel.
+    """Compliance C_xx, C_yy and Im C_xy at wavenumbers ω > 0 (n,) [length/stress], shape (3, n), as in PowerLawKernel.
 
-    modulus: E(y) [stress] for 0 < y <= depth [length], constant below; it may vanish or be infinite at
+    modulus: E(y) [stress] of arrays 0 < y <= depth [length], constant below; it may vanish or be infinite at
     y = 0 like y^surface_exponent.
     """
-    omega, order = float(wavenumber), 1 / (1 - abs(surface_exponent))
-    bottom = min(depth, DEPTH / omega)
-    reference = float(modulus(bottom * (1 + BESIDE_JUMP)))  # of the half-plane below
+    omega, order = np.asarray(wavenumber, dtype=float), 1 / (1 - abs(surface_exponent))
+    bottom = np.minimum(depth, DEPTH / omega)
+    reference = modulus(bottom * (1 + BESIDE_JUMP))  # of the half-plane below
     n, plane = nu / (1 - nu), 1 / ((1 - nu) * (1 + nu))
     shear, axial = 2 * (1 + nu), (1 + nu) * (1 - 2 * nu) / (1 - nu)  # E/G and E/(lambda + 2G)
 
     def riccati(s, S):
         """dS/ds of ω E_ref times the compliance, y = s^order/ω: u_x = iX, q = i f, hence real and symmetric."""
         xx, yy, xy = S
-        e = float(modulus(s**order / omega)) / reference
+        e = modulus(s**order / omega) / reference
         slope = np.array([
             -2 * xy - shear / e + e * plane * xx * xx,
             2 * n * xy - axial / e + e * plane * xy * xy,
@@ -57,16 +57,21 @@ def surface_compliance(modulus, nu, wavenumber, depth, surface_exponent=0.0):
         ])
         return slope * order * s ** (order - 1)
 
+    nearest = max(NEAREST, NEAREST_Y ** (1 / order))
+    start = np.maximum((omega * bottom) ** (1 / order), nearest) * (1 - BESIDE_JUMP)
+    way = nearest * (1 + BESIDE_JUMP) - start
+
+    def together(t, S):
+        """The same for all wavenumbers at once, s from the start (t = 0) to the surface (t = 1)."""
+        return np.ravel(riccati(start + t * way, S.reshape(3, -1)) * way)
+
     homogeneous = PowerLawKernel(GradedHalfPlane(1.0, nu, 0.0, 1.0)).compliance(1.0)
     S = np.array([homogeneous[0].real, homogeneous[1].real, homogeneous[2].imag])
-    nearest = max(NEAREST, NEAREST_Y ** (1 / order))
-    start = max((omega * bottom) ** (1 / order), nearest)
-    span = [start * (1 - BESIDE_JUMP), nearest * (1 + BESIDE_JUMP)]
     with np.errstate(over="ignore", invalid="ignore"):  # in trial steps that are refused, near |k| = 1
-        solved = solve_ivp(riccati, span, S, "DOP853", rtol=RTOL, atol=ATOL)
+        solved = solve_ivp(together, (0.0, 1.0), np.repeat(S, omega.size), "DOP853", rtol=RTOL, atol=ATOL)
     if not solved.success:
-        raise RuntimeError(f"wavenumber {omega:g}: the Riccati equation does not integrate: {solved.message}")
-    S = solved.y[:, -1]
+        raise RuntimeError(f"the Riccati equation does not integrate: {solved.message}")
+    S = solved.y[:, -1].reshape(3, -1)
     S = S - nearest * riccati(nearest, S)  # the slope is constant up to the surface
     return S / (omega * reference)
 
@@ -75,7 +80,7 @@ def surface_compliance(modulus, nu, wavenumber, depth, surface_exponent=0.0):
 class LayeredKernel:
     """SurfaceKernel of E(y), which follows the power law of ``surface`` for y -> 0 and is constant below ``depth``.
 
-    modulus: vectorised or not, E(y) [stress]; surface: GradedHalfPlane of its behaviour at the surface, with
+    modulus: E(y) [stress] of arrays y; surface: GradedHalfPlane of its behaviour at the surface, with
     the Poisson's ratio of the whole; depth: [length]; smallest: distance [length] below which the power law is
     all that matters, a small part of the contact; largest: greatest distance that will be asked for [length].
     """
@@ -98,8 +103,7 @@ class LayeredKernel:
 
     def compliance(self, wavenumber):
         """C_xx, C_yy and Im C_xy for an array of wavenumbers [length/stress], shape (3, n)."""
-        found = [surface_compliance(self.modulus, self.surface.nu, w, self.depth, self.k) for w in wavenumber]
-        return np.stack(found, axis=1)
+        return surface_compliance(self.modulus, self.surface.nu, wavenumber, self.depth, self.k)
 
     def _decay(self, omega):
         """ω C of the power law at the surface and of the body, columns N, T, Im C_xy."""
