@@ -101,6 +101,7 @@ class Shape:
         return None
 
     @staticmethod
+    @lru_cache(maxsize=64)  # to make a function takes longer than many calls of it
     def _numpy(expression):
         function = sympy.lambdify(DISTANCE, expression, modules="numpy")
         return lambda x: function(np.asarray(x, dtype=float)) + np.zeros(np.shape(x))
