@@ -121,8 +121,8 @@ def needs_many_steps(simulation: Simulation) -> bool:
 def equal_shares(schedule: Sequence[LoadStep], friction_first: bool, finer: int) -> list[np.ndarray]:
     """Shares of the way to each load after the first, at which load steps end: ``finer`` equal ones.
 
-    Frictionless pressing, which leaves no memory, stays one step. So does the short step before a turn of an ellipse: in
-    parts of it points move by round-off, and the stick zone falls apart.
+    Frictionless pressing, which leaves no memory, stays one step. So does the short step before a turn of an ellipse:
+    in parts of it points move by round-off, and the stick zone falls apart.
     """
     shares = []
     for before, step in pairwise(schedule):
