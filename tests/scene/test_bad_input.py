@@ -11,7 +11,7 @@ import pytest
 from refusals import REFUSED, SCENES, refusal, write_scenes
 from running import ROOT, coarse_arguments, environment, python, run_command, run_python, start_python
 
-from simulations.scene import DEFAULT_SCENE, SceneError
+from simulations.scene import DEFAULT_SCENE, SceneError, parse
 
 SECONDS = 5  # of the processor: a busy machine counts for nothing
 
@@ -65,6 +65,17 @@ def test_commands_end_with_code_2(case, ranks, folder):
     check(own[0], words)
 
 
+NEEDED = ("solid.E0", "solid.k", "solid.nu", "indenter.R", "load.P", "load.mu", "load.amplitude")
+
+
+@pytest.mark.parametrize("key", NEEDED)
+def test_missing_key_is_named(key):
+    name = key.partition(".")[2]
+    text = "\n".join(line for line in DEFAULT_SCENE.splitlines() if not line.startswith(f"{name} "))
+    with pytest.raises(SceneError, match=f"{key} is missing"):
+        parse(text)
+
+
 def test_no_room_for_results(tmp_path):
     """A limit on the size of files stands for a disk that has no room: it needs no rights."""
     program = (
@@ -112,10 +123,14 @@ def test_a_page_that_cannot_be_written_leaves_no_folder_of_results(page, folder)
     assert sorted(folder.rglob("*")) == before
 
 
-def test_nobody_listens(tmp_path):
+@pytest.mark.parametrize("stream", ["/dev/full", "closed pipe"])
+def test_nobody_listens(stream, tmp_path):
     """Where standard output cannot take any more the run goes on and its files are whole."""
-    read, write = os.pipe()
-    os.close(read)
+    if stream == "closed pipe":
+        read, write = os.pipe()
+        os.close(read)
+    else:
+        write = os.open(stream, os.O_WRONLY)
     run = start_python("-m", "simulations.fretting", *coarse_arguments(tmp_path / "run"), stdout=write, stderr=PIPE)
     _, said = run.communicate(timeout=120)
     os.close(write)

@@ -10,8 +10,20 @@ from running import ROOT
 
 from simulations.scene import DEFAULT_SCENE, Scene, SceneError, effects, make_scene, parse
 from simulations.scene.fields import Number
-from simulations.scene.settings import EffectSwitches, Mesh
-from simulations.scene.tables import ExponentialCoating, Fretting, Homogeneous, Parabola, Path, PowerLaw
+from simulations.scene.settings import EffectSwitches, Mesh, Reference, Solver
+from simulations.scene.tables import (
+    ExponentialCoating,
+    Formula,
+    Fretting,
+    Homogeneous,
+    Indentation,
+    LinearCoating,
+    Parabola,
+    Path,
+    Power,
+    PowerLaw,
+    PowerLawCoating,
+)
 
 SOLID = PowerLaw(E0=210e9, k=0.3, nu="holl", y0_over_a0=10)
 LOAD = Fretting(P=1e6, mu=0.3, amplitude=0.9)
@@ -51,10 +63,28 @@ def test_resolved_and_sent_it_is_the_same(path):
 
 
 @pytest.mark.parametrize(
+    "scene, kinds",
+    [
+        ("coating", (PowerLawCoating, Parabola, Fretting)),
+        ("linear_coating", (LinearCoating, Parabola, Fretting)),
+        ("path", (Homogeneous, Parabola, Path)),
+        ("indentation", (PowerLaw, Parabola, Indentation)),
+        ("quartic", (PowerLaw, Power, Fretting)),
+        ("formula", (PowerLaw, Formula, Fretting)),
+    ],
+)
+def test_a_table_is_of_the_kind_that_its_words_say(scene, kinds):
+    scene = parse((ROOT / "scenes" / f"{scene}.toml").read_text())
+    assert (type(scene.solid), type(scene.indenter), type(scene.load)) == kinds
+
+
+@pytest.mark.parametrize(
     "key, value, read",
     [
+        ("solid.k", np.float64(0.2), 0.2),
         ("solid.k", np.array(0.2), 0.2),
         ("load.P", np.float32(2e6), 2e6),
+        ("load.P", np.int64(2), 2.0),
         ("load.cycles", np.int32(3), 3),
         ("load.cycles", 3.0, 3),
         ("effects.coupling", np.False_, False),
@@ -75,12 +105,19 @@ def test_points_may_be_an_array():
 @pytest.mark.parametrize(
     "make, words",
     [
+        (lambda: PowerLaw(E0=-1, k=0.3, nu=0.3, y0=1), "solid.E0 = -1 is not allowed: a number > 0"),
         (lambda: PowerLaw(E0=np.float64(-1), k=0.3, nu=0.3, y0=1), "solid.E0 = -1.0 is not allowed"),
+        (lambda: PowerLaw(E0=1, k=0.3, nu=0.3), "solid.y0 is missing"),
         (lambda: PowerLaw(E0=1, K=0.3), "solid.K = 0.3 is not a key of the scene language: did you mean solid.k"),
         (lambda: Homogeneous(E0=1, k=0.3, nu=0.3), 'beside solid.modulus = "homogeneous"'),
         (lambda: ExponentialCoating(E0=1, E_substrate=1, nu="holl", thickness=1), 'modulus = "exponential"'),
+        (lambda: Parabola(R="0.1"), "indenter.R = '0.1' is not allowed"),
+        (lambda: Fretting(P=True, mu=0.3, amplitude=0.5), "load.P = True is not allowed"),
         (lambda: Fretting(P=1, mu=0.3, amplitude=0.5, points=[]), "beside load.P"),
+        (lambda: Path(points=[(1, 0), (1, 0.5)], mu=0.3), "|Q| < mu P"),
         (lambda: Mesh(degree=4), "mesh.degree = 4 is not allowed: an integer, 1 ≤ value ≤ 3"),
+        (lambda: Solver(theta=1, method="condensed"), 'solver.theta = 1 is not allowed with solver.method'),
+        (lambda: Reference(kind="truth"), "reference.kind = 'truth' is not allowed"),
         (lambda: EffectSwitches(symmetry="yes"), "effects.symmetry = 'yes' is not allowed: true or false or \"auto\""),
         (lambda: Scene(solid=SOLID, indenter=SOLID, load=LOAD), "indenter = PowerLaw"),
         (lambda: Scene(solid=SOLID, indenter=Parabola(R=0.1)), "load.P is missing"),
