@@ -46,6 +46,18 @@ def test_fields_are_in_equilibrium_after_condensation(condensed):
     assert np.abs(imbalance).max() < 1e-8 * P
 
 
+def test_contact_conditions_hold(condensed):
+    mu = condensed.scene.load.mu
+    for entry in condensed.history.entries:
+        surface = entry.surface
+        gap = condensed.scaled.indenter.height(surface.x) + surface.u[1] - surface.delta[1]
+        assert surface.pressure.min() >= 0
+        assert gap[surface.pressure == 0].min() > 0
+        # the discrete gap under pressure is the method's consistency error over gamma, not zero
+        assert np.abs(gap[surface.pressure > 0]).max() < 2e-3
+        assert np.all(np.abs(surface.traction) <= mu * surface.pressure * (1 + 1e-9))
+
+
 def test_slip_opposes_traction_and_stick_does_not_move(condensed):
     history = condensed.history
     for before, entry in zip(history.entries[1:], history.entries[2:]):
