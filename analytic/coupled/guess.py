@@ -8,10 +8,10 @@ MIRRORED = np.array([-1.0, 1.0, 1.0, -1.0])  # signs of the variables at -x, in 
 CLOSE = 1e-3  # to where stick ended, over its half-width
 
 
-def uncoupled(k, limit, load):
-    """From a state of full stick, without coupling, (48)."""
+def uncoupled(k, limit, load, half=1.0):
+    """From a state of full stick for -half < x < half, without coupling, (48)."""
     c = _stick(k, limit, load)
-    return variables_of(np.array([-1.0, -c, c, 1.0]), load, (-1.0, 1.0))
+    return variables_of(half * np.array([-1.0, -c, c, 1.0]), load, (-half, half))
 
 
 def pressed(base, direction, load):

@@ -3,8 +3,11 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.polynomial import Chebyshev
+from numpy.polynomial.chebyshev import chebpts1, chebvander
 
 from ..edge_exponents import edge_exponents, hilbert_factors, hilbert_ratio
+from .layers import displaced
 from .rule import ContactRule
 from .stick import COARSE, StickBasis
 from .tractions import SlipState
@@ -32,6 +35,7 @@ def solve(base, friction, edges, layout, Q) -> Solution:
     The unknown is r = friction p - q, which vanishes in slip. In contact
     p = alpha r + beta w H[r/w] + (pressure of the profile in full slip), w the weight of ``ContactInterval``: with the
     Hilbert transform H this meets the first condition for every r (docs/coupling_kernel.md). The second is collocated.
+    What layers below the surface add to u_y is a sum of polynomials, which acts on p like a profile of this height.
     """
     problem, f = base.problem, friction
     k, d = problem.k, problem.d
@@ -45,10 +49,12 @@ def solve(base, friction, edges, layout, Q) -> Solution:
     of_odd = chi * alpha - f * d * problem.gk / problem.bk
     rule = ContactRule(contact, (c_l, c_r), k)
     D, b = contact.profile()
+    D_layers, b_layers = contact.of_heights(problem.terms)
+    heights = chebvander(contact.local(x)[0], max(problem.terms - 1, 0))[:, : problem.terms]
     odd_s = rule.odd(x, k)
 
     def of_limit(nodes, weights, contracted):
-        """Of r at nodes: u_x in stick without what is constant, ∫ p, ∫ r, ∫ r/w."""
+        """Of r at nodes: w H[r/w] - v H[r/v] at the nodes of the rule, ∫ p, ∫ r, ∫ r/w."""
         weight = contact.weight(nodes)
         t, left, right = contact.local(nodes)
         cauchy = weights / np.pi / (rule.x[:, None] - nodes)
@@ -59,7 +65,7 @@ def solve(base, friction, edges, layout, Q) -> Solution:
         load -= contracted((rule.weights * rule.root @ cauchy + weights * t)[None], root)
         whole = contracted(weights[None], 1.0)[0]
         over_w = contracted(weights[None], weight)[0]
-        return chi * beta * (odd_s @ smooth), alpha * whole + beta * load[0], whole, over_w
+        return smooth, alpha * whole + beta * load[0], whole, over_w
 
     def at_edges(nodes, weights, contracted):
         """H[r/w] at both edges of contact."""
@@ -69,30 +75,49 @@ def solve(base, friction, edges, layout, Q) -> Solution:
     limit = coarse.nodes, coarse.weights, lambda m, w: stick.contracted(m / w, COARSE)
     smooth, of_p, of_r, over_w = of_limit(*limit)
     even, odd = stick.matrices(k)
-    A, right = np.zeros((n + 3, n + 3)), np.zeros(n + 3)
-    A[:n, :n] = of_even * even + of_odd * odd + smooth
-    A[:n, n] = chi * (odd_s @ rule.w_over)
-    A[:n, n + 1] = chi * (odd_s @ (rule.w_over * rule.t))
-    A[:n, n + 2] = -1
-    A[n, :n], A[n, n : n + 2] = of_p, contact.unbounded
+    # unknowns: r, two singular parts of p, polynomials of the layers, u_x where it is constant
+    of_heights = rule.w[:, None] * chebvander(rule.t, len(D_layers) - 1) @ D_layers
+    singular = np.stack([rule.w_over, rule.w_over * rule.t], axis=1)
+    on_rule = np.hstack([beta * smooth, singular, of_heights])  # p less alpha r
+    A, right = np.zeros((n + 3 + problem.terms,) * 2), np.zeros(n + 3 + problem.terms)
+    A[:n, :-1] = chi * (odd_s @ on_rule)
+    A[:n, :n] += of_even * even + of_odd * odd
+    A[:n, n + 2 : -1] -= f * problem.gk / problem.bk * heights
+    A[:n, -1] = -1
+    A[n, :n], A[n, n : n + 2], A[n, n + 2 : -1] = of_p, contact.unbounded, rule.weights @ of_heights
     A[n + 1, :n] = of_r
-    A[n + 2, :n], A[n + 2, n + 1] = -beta / np.pi / contact.half * over_w, 1
-    profile = rule.w * D(rule.t)
-    right[:n] = base.moved(x) - chi * (odd_s @ profile)
-    right[:n] += f * problem.gk / problem.bk * problem.height(x)
-    right[n : n + 3] = 1 - rule.weights @ profile, f - Q, b
+    A[n + 2, :n], A[n + 2, n + 1], A[n + 2, n + 2 : -1] = -beta / np.pi / contact.half * over_w, 1, -b_layers
+    right[:n] = base.moved(x) + f * problem.gk / problem.bk * problem.height(x)
+    right[n : n + 3] = 1, f - Q, b
+    limits = [(slice(n), limit)]  # by columns
     known, of_known = None, 0.0
+    profile = p_known = rule.w * D(rule.t)
     if stick.panels and np.any((base.breaks > stick.inner[0]) & (base.breaks < stick.inner[-1])):
         known = base.limit_between(f, *stick.inner[[0, -1]], x)
     if known:
         source, r = known
         limit_known = source.nodes, source.weights, lambda m, w: m @ (r / w)[:, None]
-        smooth, of_p, of_r, over_w = of_limit(*limit_known)
+        limits.append((slice(-1, None), limit_known))
+        smooth_known, of_p, of_r, over_w = of_limit(*limit_known)
         of_known = at_edges(*limit_known)[:, 0]
         even, odd = source.matrices(x, k)
-        right[:n] -= of_even * (even @ r) + of_odd * (odd @ r) + smooth[:, 0]
+        right[:n] -= of_even * (even @ r) + of_odd * (odd @ r)
         right[n : n + 3] -= of_p[0], of_r[0], -beta / np.pi / contact.half * over_w[0]
+        p_known = p_known + beta * smooth_known[:, 0]
+    right[:n] -= chi * (odd_s @ p_known)
+    right[n] -= rule.weights @ profile
+    if problem.terms:
+        t = chebpts1(problem.terms)
+        places = np.concatenate([x, contact.middle + contact.half * t])
+        without_r = np.hstack([np.zeros_like(smooth), singular, of_heights, profile[:, None]])
+        u_x, u_y = displaced(problem, f, contact, rule, places, without_r, limits, alpha, beta)
+        A[:n, :-1] += u_x[:n, :-1]
+        A[n + 3 :, :-1] = -u_y[n:, :-1]
+        A[n + 3 :, n + 2 : -1] += chebvander(t, problem.terms - 1)
+        right[:n] -= u_x[:n, -1]
+        right[n + 3 :] = u_y[n:, -1]
     u = np.linalg.solve(A, right)
+    D = D + Chebyshev(D_layers @ u[n + 2 : -1])
     at_ends = at_edges(*limit) @ u[:n] + of_known
     at_stick, after_stick = np.sign(f) * stick.amplitudes(u[:n])
     # towards the edges p = w (ends[0]/(1 + t) + ends[1]/(1 - t) + D + beta H[r/w])

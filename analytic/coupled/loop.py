@@ -8,6 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from ..checks import ContactNotConverged, require_partial_slip
+from ..half_plane.layered_kernel import LayeredKernel
 from ..material import GradedHalfPlane
 from . import guess
 from .branch import Branch
@@ -29,7 +30,7 @@ class CoupledLoop:
     at the turn, elsewhere |q| = mu p. So each state is found directly, and does not depend on those before it.
     """
 
-    solid: GradedHalfPlane
+    solid: GradedHalfPlane | LayeredKernel
     profile: object
     P: float
     mu: float

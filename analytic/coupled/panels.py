@@ -53,6 +53,13 @@ def graded(low, high, to_low, to_high, ratio):
     return np.unique(np.concatenate(points))
 
 
+def divided(points, longest):
+    """Points with others between them, none further than ``longest`` from the next."""
+    parts = np.maximum(np.ceil(np.diff(points) / longest), 1).astype(int)
+    pieces = [np.linspace(a, b, n, endpoint=False) for a, b, n in zip(points, points[1:], parts, strict=False)]
+    return np.append(np.concatenate(pieces), points[-1])
+
+
 class Panels:
     """Gauss nodes of the panels between ``low`` and ``high``, shape (n,) each, for densities smooth on every panel.
 

@@ -4,50 +4,93 @@ from dataclasses import replace
 from functools import cached_property, lru_cache
 
 import numpy as np
+from numpy.polynomial import Chebyshev
+from numpy.polynomial.chebyshev import chebpts1, chebvander
+from scipy.optimize import brentq
 
 from ..checks import ContactNotConverged
 from ..normal import normal_contact
 from ..pressing_with_friction import PressingWithFriction
-from .panels import Panels, graded
-from .problem import problem_of
+from .panels import Panels, divided, graded
+from .problem import problem_of, surface_of
 from .tractions import Interpolated, StateOnContact, shrinking
 from .weight import ContactInterval
 
 LEVELS, RATIO = 15, 0.4  # of the panels on which the pressure without friction is integrated
+STEP = 0.5  # of the logarithm of a half-width that is sought
 NARROW = 1e-6  # width of slip over a below which all sticks; next to the Holl ratio it is exponentially narrow
 
 
-class NormalStage(StateOnContact):
-    """Frictionless contact.
+class WithoutFriction(StateOnContact):
+    """Frictionless contact for -half < x < half, under the load that this takes.
 
     problem: the tangential problem that follows; contact: edges; breaks: where tractions are not smooth, nowhere; Q,
     delta_x, delta_y: load and displacements; dissipated_energy: until now [stress x length²].
     """
 
-    contact = (-1.0, 1.0)
     breaks = np.empty(0)
     Q = delta_x = dissipated_energy = 0.0
 
-    def __init__(self, solid, profile, P, mu, coupling, order):
-        self.solid, self.P = solid, P
-        self.a = normal_contact(solid, profile, P).a
-        self.problem = problem_of(solid, profile, P, mu, coupling, order, self.a)
-        self._interval = ContactInterval(self.problem, 0.0, *self.contact)
-        self._smooth, _ = self._interval.profile()
+    def __init__(self, problem, half=1.0):
+        self.problem, self.contact = problem, (-half, half)
+        self._interval = ContactInterval(problem, 0.0, *self.contact)
+
+    @cached_property
+    def _smooth(self):
+        """p/w, a Chebyshev series: what layers add to u_y acts like a height of the profile."""
+        (D, _), problem = self._interval.profile(), self.problem
+        if problem.terms:
+            t, panels, interval = chebpts1(problem.terms), self._panels, self._interval
+            x = panels.nodes
+            of_p = problem.of_layers(interval.half * t, x)[0] * (panels.weights * interval.weight(x))
+            D_layers, _ = interval.of_heights(problem.terms)
+            s = interval.local(x)[0]
+            A = chebvander(t, problem.terms - 1) - of_p @ chebvander(s, len(D_layers) - 1) @ D_layers
+            D = D + Chebyshev(D_layers @ np.linalg.solve(A, of_p @ D(s)))
+        return D
 
     def tractions(self, x):
         """p and q at x, shape (2, n)."""
-        p = self._interval.weight(x) * self._smooth(x)
+        p = self._interval.weight(x) * self._smooth(self._interval.local(x)[0])
         return np.stack([p, np.zeros_like(p)])
 
     @cached_property
+    def load(self):
+        """∫ p, over the load of the problem."""
+        return float(self._panels.weights @ self.tractions(self._panels.nodes)[0])
+
+    @cached_property
     def _panels(self):
-        return Panels.between(graded(*self.contact, LEVELS, LEVELS, RATIO))
+        return Panels.between(divided(graded(*self.contact, LEVELS, LEVELS, RATIO), self.problem.longest))
 
     @cached_property
     def delta_y(self):
         """Displacement of the profile's tip."""
         return float(self._integrals(np.zeros(1))[1, 0])
+
+
+class NormalStage(WithoutFriction):
+    """Frictionless contact under P, for a cylinder or power profile on a GradedHalfPlane or LayeredKernel."""
+
+    def __init__(self, solid, profile, P, mu, coupling, order):
+        def problem(a):
+            return problem_of(solid, profile, P, mu, coupling, order, a)
+
+        self.solid, self.P = surface_of(solid), P
+        self.a = normal_contact(self.solid, profile, P).a
+        if self.solid is not solid:
+            self.a = _root(lambda log_a: np.log(WithoutFriction(problem(np.exp(log_a))).load), np.log(self.a))
+        super().__init__(problem(self.a))
+
+
+def _root(excess, log_a):
+    """a at which an increasing function of its logarithm is zero."""
+    low = high = log_a
+    while excess(low) > 0:
+        low -= STEP
+    while excess(high) < 0:
+        high += STEP
+    return float(np.exp(brentq(excess, low, high, xtol=1e-13)))
 
 
 class PressedWithFriction(StateOnContact):
@@ -74,7 +117,7 @@ class PressedWithFriction(StateOnContact):
         """p and q at x, shape (2, n)."""
         return np.where(np.abs(x) < 1, _self_similar(self._alike)(np.clip(x, -1.0, 1.0)), 0.0)
 
-    delta_y = NormalStage.delta_y
+    delta_y = WithoutFriction.delta_y
 
     @property
     def goes_on(self):

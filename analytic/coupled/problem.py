@@ -2,8 +2,14 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from math import inf
+
+import numpy as np
 
 from ..checks import ContactNotConverged
+
+LONGEST = 2.0  # panel of tractions, over the depth of the layers
+TERMS = 6  # polynomials that carry what layers add to u_y, over the order of the basis
 
 
 @dataclass(frozen=True)
@@ -11,7 +17,9 @@ class Problem:
     """Data without units: lengths over a, tractions over P/a, loads over P, displacements over P y0^k/(E0 a^k).
 
     bk, gk, d: factors of the kernels; mu: friction coefficient; height, slope: profile at x and its derivative,
-    a polynomial of this degree; order: of the basis.
+    a polynomial of this degree; order: of the basis. smooth: N, T and D of the layers below a power-law surface, less
+    those of the power law, at distances z >= 0, shape (3, *z.shape); None without layers. longest: panels of tractions
+    that these kernels bear.
     """
 
     k: float
@@ -23,14 +31,33 @@ class Problem:
     slope: Callable
     degree: int
     order: int
+    smooth: Callable | None = None
+    longest: float = inf
+
+    @property
+    def terms(self):
+        """Number of polynomials that carry what the layers add to u_y; 0 without layers."""
+        return TERMS * self.order if self.smooth else 0
 
     def displacements(self, even_p, odd_p, even_q, odd_q):
         """u_x and u_y from the integrals of R and O over p and q, [X6]."""
         return self.gk * even_q + self.d * odd_p, self.bk * even_p - self.d * odd_q
 
+    def of_layers(self, x, nodes):
+        """The smooth kernels N, T and D at x from line forces at nodes, shape (3, len(x), len(nodes))."""
+        assert self.smooth
+        z = x[:, None] - nodes
+        result = self.smooth(np.abs(z))
+        result[2] *= np.sign(z)
+        return result
 
-def problem_of(solid, profile, P, mu, coupling, order, a):
-    """The problem under P with the half-width ``a``; ContactNotConverged for a profile that is no even power."""
+
+def problem_of(body, profile, P, mu, coupling, order, a):
+    """The problem under P with the half-width ``a``; ContactNotConverged for a profile that is no even power.
+
+    body: a GradedHalfPlane or a LayeredKernel.
+    """
+    solid = surface_of(body)
     if getattr(profile, "m", 1.0) % 2:
         raise ContactNotConverged("the profile is no polynomial: its power has to be even")
     unit = P * (solid.y0 / a) ** solid.k / solid.E0
@@ -45,4 +72,17 @@ def problem_of(solid, profile, P, mu, coupling, order, a):
         slope=lambda x: slope * x ** (profile.m - 1),
         degree=round(profile.m),
         order=order,
+        smooth=None if body is solid else lambda z: _scaled(body.smooth(a * z), P / unit, coupling),
+        longest=inf if body is solid else LONGEST * body.depth / a,
     )
+
+
+def surface_of(body):
+    """The half-plane whose power law the ``body`` follows at its surface."""
+    return getattr(body, "surface", body)
+
+
+def _scaled(kernels, factor, coupling):
+    kernels = np.ascontiguousarray(kernels) * factor  # products of matrices are ten times as fast then
+    kernels[2] *= coupling
+    return kernels

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.special import roots_sh_jacobi
 
 from ..quadrature import gauss_rule
-from .panels import Panels
+from .panels import Panels, divided
 
 RATIO = 0.35  # of panels towards an edge, as far as points of stick are
 END, END_NODES = 0.5, 12  # piece at an edge that has Gauss-Jacobi rules, over the width of slip, and nodes of each
@@ -26,7 +26,7 @@ class ContactRule:
     def __init__(self, contact, stick, k):
         half = contact.half
         gaps = (stick[0] - contact.x_l) / half, (contact.x_r - stick[1]) / half
-        left, right = (_offsets(END * gap) for gap in gaps)
+        left, right = (_offsets(END * gap, contact.problem.longest / half) for gap in gaps)
         near_left, near_right = Panels.between(left).nodes, Panels.between(right).nodes[::-1]
         self._panels = Panels.between(np.append(contact.x_l + half * left, contact.x_r - half * right[-2::-1]))
         powers = [(e - 1, k / 2, 0.5) for e in (contact.left, contact.right)]
@@ -65,12 +65,12 @@ def smooth_rule(low, high, breaks):
     return (a + length * t**3 * (10 - 15 * t + 6 * t**2)).ravel(), (length * w * 30 * t**2 * (1 - t) ** 2).ravel()
 
 
-def _offsets(end):
-    """Points from ``end`` to 1, panels between which grow by 1/RATIO."""
+def _offsets(end, longest):
+    """Points from ``end`` to 1, panels between which grow by 1/RATIO up to ``longest``."""
     points = [1.0]
     while points[-1] * RATIO > end:
         points.append(points[-1] * RATIO)
-    return np.array([*points, end][::-1])
+    return divided(np.array([*points, end][::-1]), longest)
 
 
 def _end_rule(power, length):

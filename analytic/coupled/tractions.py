@@ -5,7 +5,7 @@ from functools import cached_property
 import numpy as np
 from numpy.polynomial.legendre import legvander
 
-from .panels import GAUSS, NODES, TO_LEGENDRE, Panels, graded
+from .panels import GAUSS, NODES, TO_LEGENDRE, Panels, divided, graded
 from .problem import Problem
 
 RATIO = 0.3  # of panels that shrink towards the breaks of a state
@@ -30,20 +30,20 @@ class Interpolated:
         return np.einsum("nl,nlf->fn", P, self._coefficients[j])
 
 
-def shrinking(points, k, at_ends=True):
-    """Panels between points, which shrink towards each of them, or all but the first and the last."""
+def shrinking(points, k, longest=np.inf, at_ends=True):
+    """Panels between points, which shrink towards each of them, or all but the first and the last; see ``divided``."""
     pieces, last, smallest = [], len(points) - 2, SMALLEST_PANEL if k >= 0 else SMALLEST_PANEL_STEEP
     for i, (a, b) in enumerate(zip(points, points[1:], strict=False)):
         levels = max(int(np.ceil(np.log(2 * smallest / (b - a)) / np.log(RATIO))), 0)
         pieces.append(graded(a, b, levels * (at_ends or i > 0), levels * (at_ends or i < last), RATIO))
-    return Panels.between(np.unique(np.concatenate(pieces)))
+    return Panels.between(divided(np.unique(np.concatenate(pieces)), longest))
 
 
 def tabulated(state):
     """p/w without what r adds to it, and r = friction p - q, on panels that shrink towards the breaks of a state."""
     c_l, c_r = state.stick
     points = [state.contact[0], *state.breaks, state.contact[1]]
-    panels = shrinking(points, state.problem.k, at_ends=False)
+    panels = shrinking(points, state.problem.k, state.problem.longest, at_ends=False)
     x, r = panels.nodes, np.zeros(len(panels.nodes))
     inside = (panels.middle > c_l) & (panels.middle < c_r)
     stuck, at_nodes = Panels(panels.low[inside], panels.high[inside]), np.repeat(inside, NODES)
@@ -89,7 +89,8 @@ class StateOnContact:
     @cached_property
     def _panels(self):
         """They shrink towards the edges of contact too."""
-        return shrinking([self.contact[0], *self.breaks, self.contact[1]], self.problem.k)
+        points = [self.contact[0], *self.breaks, self.contact[1]]
+        return shrinking(points, self.problem.k, self.problem.longest)
 
     @cached_property
     def _sampled(self):
@@ -114,7 +115,18 @@ class StateOnContact:
     def _integrals(self, x):
         panels, p, q = self._sources
         even, odd = panels.matrices(x, self.problem.k)
-        return np.stack(self.problem.displacements(even @ p, odd @ p, even @ q, odd @ q))
+        result = np.stack(self.problem.displacements(even @ p, odd @ p, even @ q, odd @ q))
+        if not self.problem.smooth:
+            return result
+        few = Panels.between(divided(np.array([x.min(), x.max()]), self.problem.longest))
+        if len(x) <= len(few.nodes):
+            return result + self._of_layers(x)
+        return result + Interpolated(few, self._of_layers(few.nodes))(x)
+
+    def _of_layers(self, x):
+        panels, p, q = self._sources
+        N, T, D = self.problem.of_layers(x, panels.nodes) * panels.weights @ np.stack([p, q], axis=1)
+        return np.stack([T[:, 1] + D[:, 0], N[:, 0] - D[:, 1]])
 
     @cached_property
     def _moved(self):

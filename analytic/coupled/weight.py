@@ -1,11 +1,11 @@
 """Weights with which tractions end at both edges of a contact, and points that are gathered there."""
 
 from functools import lru_cache, partial
-from math import gamma, pi, sin
+from math import pi, sin
 
 import numpy as np
 from numpy.polynomial import Chebyshev
-from numpy.polynomial.chebyshev import chebdiv
+from numpy.polynomial.chebyshev import chebder, chebdiv, chebvander
 from scipy.special import beta, eval_jacobi, roots_jacobi
 
 from ..edge_exponents import edge_exponents
@@ -45,15 +45,22 @@ class ContactInterval:
 
     def profile(self):
         """A p = constant - height for p = w/(1 - t²) ((1 - t²) D(t) + a + b t): D as a Chebyshev series, and b."""
-        degree = self.problem.degree
+        D, b = self._pressures(lambda t: self.problem.slope(self.middle + self.half * t)[:, None], self.problem.degree)
+        return Chebyshev(D[:, 0]), b[0]
+
+    def of_heights(self, terms):
+        """The same for heights T_j(t), 0 <= j < terms: D as Chebyshev coefficients (terms, terms), and b (terms,)."""
+        if not terms:
+            return np.empty((1, 0)), np.empty(0)
+        return self._pressures(lambda t: _slopes(t, terms) / self.half, terms - 1)
+
+    def _pressures(self, slope, degree):
         a, b = self.right - 1, self.left - 1
-        t, weight, basis, S = _expansion(a, b, degree)
-        slope = -(self.half**self.problem.k) * self.problem.slope(self.middle + self.half * t)
+        t, projection, quotient, rest = _expansion(a, b, degree)
         orders = np.arange(1, degree + 1)
-        factors = [_factor(self.problem, self.friction, self.left, n) for n in orders] * (orders + a + b + 1) / 2
-        g = (basis @ (weight * slope)) / (basis**2 @ weight) / factors
-        quotient, rest = chebdiv(S.T @ g, [0.5, 0.0, -0.5])
-        return Chebyshev(quotient), np.append(rest, 0.0)[1]
+        factors = _factors(self.problem, self.friction, self.left, degree) * (orders + a + b + 1) / 2
+        g = -(self.half**self.problem.k) / factors[:, None] * (projection @ slope(t))
+        return quotient @ g, rest @ g
 
     def panels(self, stick):
         """Panels that shrink towards both edges, faster from the middle of the zones beside ``stick`` on."""
@@ -68,18 +75,28 @@ class ContactInterval:
         return Panels.between(points)
 
 
-def _factor(problem, friction, left, n):
-    """lambda_n of A [(1-t)^a (1+t)^b P_n^(a,b)] = lambda_n P_n^(b,a) half^(1-k), b = left - 1, n > 0."""
-    k = problem.k
-    rising = gamma(k + n) / gamma(k + 1) / gamma(n + 1)
+def _factors(problem, friction, left, degree):
+    """lambda_n of A [(1-t)^a (1+t)^b P_n^(a,b)] = lambda_n P_n^(b,a) half^(1-k), b = left - 1, 0 < n <= degree."""
+    n, k = np.arange(2, degree + 1), problem.k
+    rising = np.cumprod(np.append(1.0, (k + n - 1) / n))  # Γ(k+n)/(Γ(k+1) n!)
     return -(problem.bk - friction * problem.d * k) * rising * pi / sin(pi * (left - 1))
+
+
+def _slopes(t, terms):
+    """Derivatives of T_j at t, 0 <= j < terms, shape (len(t), terms)."""
+    return chebvander(t, terms - 2) @ chebder(np.eye(terms))
 
 
 @lru_cache(maxsize=32)
 def _expansion(a, b, degree):
-    """Gauss-Jacobi nodes and weights, P_{n-1}^(b+1,a+1) at them, and Chebyshev coefficients of P_n^(a,b), n > 0."""
+    """Of a slope at Gauss-Jacobi nodes t: factors g_n of P_{n-1}^(b+1,a+1), 0 < n <= degree, as a matrix that acts on
+    it. Of Σ g_n P_n^(a,b): the quotient by 1 - t² as a Chebyshev series and the factor of t in the rest.
+    """
     t, weight = roots_jacobi(degree + 8, b + 1, a + 1)
     orders = range(1, degree + 1)
     basis = np.array([eval_jacobi(n - 1, b + 1, a + 1, t) for n in orders])
     series = [Chebyshev.interpolate(partial(eval_jacobi, n, a, b), degree).coef for n in orders]
-    return t, weight, basis, np.array(series)
+    quotients, rests = zip(*(chebdiv(s, [0.5, 0.0, -0.5]) for s in series), strict=True)
+    quotient = np.array([np.append(q, np.zeros(degree + 1 - len(q))) for q in quotients]).T
+    rest = np.array([np.append(r, 0.0)[1] for r in rests])
+    return t, basis * weight / (basis**2 @ weight)[:, None], quotient, rest

@@ -1,5 +1,6 @@
 """Work that friction takes between two turns of the tangential load, from the balance of energy."""
 
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -8,12 +9,15 @@ from scipy.special import digamma, loggamma
 
 from ..edge_exponents import oscillation
 from ..quadrature import gauss_rule
+from . import guess
 from .branch import Branch
-from .pressed import PressedWithFriction
+from .edges import EdgeSolver
+from .pressed import PressedWithFriction, WithoutFriction
 from .rule import smooth_rule
 
 BEYOND = 0.3  # logarithm of the load over which the motion is continued to the turn, within the first part
 LOAD_NODES = 24  # of the integral over the loads
+JUST_AFTER = 0.01, 0.02, 0.04, 0.08  # loads over mu P from which the motion is continued to 0
 SMALL_K, NODES = 0.5, 24  # |k| below which ln Γ(z - k) - ln Γ(z) is integrated, as it would cancel; nodes for that
 
 
@@ -90,6 +94,8 @@ def stick_compliance(problem, half):
     (``oscillation``); C from the integral of phi. delta_x is u_x at the right edge, where the integrals are beta
     functions: with s = e^(kG) = (2 half)^-k Γ(1+k) Γ(conj(e)-k)/Γ(conj(e)) it is gk [(Re s - 1)/k - D Im s].
     """
+    if problem.smooth:
+        return _compliance_of_layers(problem, half)
     k = problem.k
     D = problem.d / np.sqrt(problem.bk * problem.gk)
     conjugate = (1 + k) / 2 - 1j * oscillation(problem)
@@ -101,3 +107,15 @@ def stick_compliance(problem, half):
     G -= np.log(2 * half)
     even = np.expm1(k * G).real / k if k else G.real
     return float(problem.gk * (even - D * np.exp(k * G).imag))
+
+
+def _compliance_of_layers(problem, half):
+    """The same with layers: just after pressing to this half-width without friction, continued to Q = 0."""
+    load = WithoutFriction(problem, half).load
+    problem = replace(
+        problem, height=lambda x, of=problem.height: of(x) / load, slope=lambda x, of=problem.slope: of(x) / load
+    )
+    base = WithoutFriction(problem, half)
+    solver, t = EdgeSolver(base, problem.mu), problem.mu * np.array(JUST_AFTER)
+    moved = [solver.state(load, guess.uncoupled(problem.k, problem.mu, load, half))[0].delta_x for load in t]
+    return float(np.linalg.solve(np.stack([np.ones_like(t), t, t * np.log(t), t**2], axis=1), moved / t)[0])

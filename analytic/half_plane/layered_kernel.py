@@ -31,7 +31,7 @@ CUTOFF = 1e-13  # of the singular values: smaller ones only make strong sources 
 # leave shorter waves a negative compliance
 SHALLOWEST = 2.0
 LARGEST_MISFIT, LARGEST_AT_SURFACE = 1e-5, 0.02
-TABLE = 400  # points of the tabulated smooth part
+TABLE = 1600  # points of the tabulated smooth part
 
 
 def surface_compliance(modulus, nu, wavenumber, depth, surface_exponent=0.0):

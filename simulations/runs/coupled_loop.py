@@ -18,9 +18,11 @@ from ..loading.schedule import LoadStep
 from ..scene import Scene
 from ..scene.effects import Effects
 from ..scene.scaling import Scaled
+from ..scene.tables import PowerLawCoating
 from .expected_edges import FINER_WITH_COUPLING, MERGED, TURNED, ExpectedEdges, several, share_of_limit, stops_at
 
 LOWEST, HIGHEST = -0.9, 0.9  # k for which docs/accuracy.md has what both orders of the basis differ by
+THINNEST = 0.05  # coating over the half-width of contact: edges are known to 5e-6 a there, with 0.02 to 1.4e-4 a
 STEEP = -0.5  # k below which pressure zigzags where its edge has no place in a facet: by 15 % at k = -0.6
 # by degree: smaller facets at edges, over a, gain from better edges; for k < STEEP those of degree 1 at any degree,
 # as on larger ones the energy of a load step is known to 1.2e-6 only (k = -0.9)
@@ -29,19 +31,27 @@ FINE = {1: 2e-3, 2: 0.02, 3: 0.02}
 
 def serves(scene: Scene, effects: Effects) -> bool:
     """True for coupling on a power law under an even power profile, without bulk strain, at constant P once Q acts; no
-    other effect, such as elastic slip.
+    other effect, such as elastic slip. Also on a power-law coating that is not too thin, pressed without friction.
     """
     others = "bulk strain" in effects or effects.without_closed_form
-    if "coupling" not in effects or not scene.is_power_law or not LOWEST <= scene.k <= HIGHEST or others:
+    if "coupling" not in effects or not LOWEST <= scene.k <= HIGHEST or others:
+        return False
+    if not scene.is_power_law and ("friction in normal stage" in effects or not _is_thick(scene)):
         return False
     profile = scene.shape.analytic()
     return isinstance(profile, PowerProfile) and profile.m % 2 == 0
 
 
+def _is_thick(scene):
+    """Whether layers add smooth kernels: E(y) is a power law at the surface, down to THINNEST."""
+    solid = scene.material
+    return isinstance(solid, PowerLawCoating) and solid.thickness >= THINNEST * scene.half_width
+
+
 def loop_of(scaled: Scaled, mu: float, effects: Effects | tuple[str, ...], order: int = ORDER) -> CoupledLoop:
     """The loop in scaled units, P = 1; effects: the names of those that are on."""
     coupled, friction_first = "coupling" in effects, "friction in normal stage" in effects
-    return CoupledLoop(scaled.solid, scaled.indenter.analytic(), 1.0, mu, coupled, order, friction_first)
+    return CoupledLoop(scaled.kernel, scaled.indenter.analytic(), 1.0, mu, coupled, order, friction_first)
 
 
 @lru_cache(maxsize=1)

@@ -5,9 +5,13 @@ from solving import solved
 
 from simulations.loading.stepping import SolveError
 from simulations.runs import checks
-from simulations.runs.comparison import compare
+from simulations.runs.comparison import compare, compare_all
+from simulations.runs.coupled_loop import serves
 from simulations.runs.mesh_free import MeshFree
-from simulations.scene import SceneError
+from simulations.runs.reference import of_same_physics
+from simulations.runs.step_free import StepFree
+from simulations.scene import SceneError, make_scene
+from simulations.scene.effects import Effects
 
 SCENE = """
 [solid]
@@ -48,6 +52,35 @@ def test_coated_half_planes_match_the_half_plane_solver(modulus, coupling):
     found = compare(simulation.history, MeshFree(simulation))
     for name, limit in {"pressure_l2": 2e-3, "traction_l2": 7e-3, "a": 5e-4, "dissipated_energy": 2e-3}.items():
         assert abs(found[name]) < limit, (name, found[name])
+
+
+@pytest.mark.slow
+def test_a_power_law_coating_has_a_reference_without_load_steps():
+    """Known to 2e-6 and not to 3e-4, as the solver with load steps knows itself; the mesh is graded to its edges."""
+    more, thickness = COATINGS["power-law coating"]
+    simulation = solved(SCENE.format(modulus="power-law coating", more=more, thickness=thickness), **MEDIUM)
+    reference = of_same_physics(simulation)
+    assert isinstance(reference, StepFree) and not reference.open
+    found = compare_all(simulation.history, reference)
+    for name, limit in {"pressure_l2": 3e-4, "traction_l2": 3e-3, "slip_l2": 5e-4}.items():
+        assert found.worst[name] < limit, (name, found.worst[name])
+    assert max(found.own.values()) < 2e-6
+
+
+@pytest.mark.parametrize(
+    "modulus, more, thickness, expected",
+    [
+        ("power-law coating", POWER_LAW, 0.3, True),
+        ("power-law coating", POWER_LAW, 0.05, False),  # too thin for its polynomials
+        ("linear", "E_substrate = 70e9", 1.0, False),  # its kernel is not smooth
+    ],
+)
+def test_coatings_without_load_steps(modulus, more, thickness, expected):
+    text = SCENE.format(modulus=modulus, more=more, thickness=thickness)
+    scene = make_scene(base=text)
+    assert serves(scene, Effects(scene)) is expected
+    pressed = make_scene({"effects.friction_in_normal_stage": True}, text)
+    assert not serves(pressed, Effects(pressed))
 
 
 def test_a_thick_coating_is_the_power_law():
