@@ -10,6 +10,7 @@ from scipy.sparse import identity
 
 from forms.contact import BACKWARD, CLOSED, DRIVEN_BACKWARD, DRIVEN_FORWARD, FORWARD, LIFTED, OPEN, PINNED, X, Y
 from simulations.fem.contact_problem import ContactProblem, Nitsche
+from simulations.fem.surface import SurfaceSampler
 from simulations.runs.simulation import Simulation
 from simulations.scene import DEFAULT_SCENE, parse
 from simulations.solvers.condensed.surface_compliance import SurfaceCompliance
@@ -108,10 +109,13 @@ def test_the_states_are_all_there(partly_slipping, directions):
     "imposed, state", [(DRIVEN_BACKWARD, BACKWARD), (PINNED, CLOSED), (DRIVEN_FORWARD, FORWARD), (LIFTED, OPEN)]
 )
 def test_points_in_contact_have_the_state_that_is_imposed(partly_slipping, imposed, state):
+    """Open ones have no traction, whatever is imposed on them."""
     problem = perturbed_problem(partly_slipping, FRICTIONAL, theta=0.0)
     free = problem.terms.contact_states()
     with problem.safeguards.imposed(np.full(len(free), imposed)):
         assert np.array_equal(problem.terms.contact_states(), np.where(free == OPEN, OPEN, state))
+        surface = SurfaceSampler(problem).sample(problem)
+        assert not np.any(surface.traction[surface.pressure == 0])
     assert np.array_equal(problem.terms.contact_states(), free)
 
 
