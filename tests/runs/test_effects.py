@@ -71,9 +71,10 @@ def test_without_coupling_the_pressure_of_the_normal_stage_stays():
         assert entry.surface.pressure == pytest.approx(entries[0].surface.pressure, rel=1e-12, abs=1e-15)
 
 
-def test_half_a_domain_gives_the_whole_contact():
+@pytest.mark.parametrize("method", ["condensed", "full"])
+def test_half_a_domain_gives_the_whole_contact(method):
     whole = next(coarse_simulation(solid__nu=0.3).run()).surface
-    half_simulation = coarse_simulation(INDENTATION)
+    half_simulation = coarse_simulation(INDENTATION, solver__method=method)
     half = next(half_simulation.run()).surface
     assert half_simulation.body.is_half
     assert half.line_load(half.pressure) == pytest.approx(half_simulation.contact.P, rel=1e-8)
