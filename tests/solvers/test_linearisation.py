@@ -119,6 +119,13 @@ def test_points_in_contact_have_the_state_that_is_imposed(partly_slipping, impos
     assert np.array_equal(problem.terms.contact_states(), free)
 
 
+def test_points_that_are_released_have_no_traction(partly_slipping):
+    """Friction starts so after pressing, whatever the traction of the displacements is then."""
+    problem = perturbed_problem(partly_slipping, FRICTIONAL, theta=0.0)
+    problem.memory.release()
+    assert np.abs(problem.terms.trials()[X]).max() < 1e-12
+
+
 def perturbed_problem(partly_slipping, directions, theta):
     """A problem on the body whose anchor and friction make some points stick and some slide."""
     simulation, pressed, slipping, _ = partly_slipping
