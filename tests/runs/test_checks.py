@@ -10,6 +10,7 @@ import pytest
 from running import coarse_arguments, run_command
 from solving import coarse_simulation, metered, solved
 
+from forms.contact import Y
 from simulations.output.table import table
 from simulations.runs import checks, report_data
 from simulations.runs.closed_forms import Springs
@@ -76,6 +77,32 @@ def test_checks_hold_and_see_what_is_wrong(loop):
     assert f"in load step {last}, increment {last - 1} of history.csv:" in checks.describe(found)
     assert "another number of solver.increments" in checks.describe(found)
     assert "another number of solver.normal_increments" in checks.describe(while_pressed)
+
+
+@pytest.mark.parametrize("name", ["residual", "load balance", "p >= 0", "gap >= 0", "|q| <= mu p"])
+def test_each_check_sees_a_little_that_is_wrong_in_one_state(loop, name):
+    """Where Q = -Q_A, in the middle of the run: a little beyond its limit, and all others hold."""
+    history, height = loop[0].history, loop[0].scaled.indenter.height
+    entry = next(entry for entry in history.entries if entry.step.state == "E")
+    surface = entry.surface
+    beside, slides = np.flatnonzero(surface.pressure > 0)[-1] + 1, np.flatnonzero(surface.slides)[0]
+    gap = height(surface.x[beside]) + surface.approach[beside]
+
+    def at(field, where, change):
+        values = getattr(surface, field).copy()
+        values[where] += change
+        return replace(entry, surface=replace(surface, **{field: values}))
+
+    wrong = {
+        "residual": replace(entry, residual=2e-6),
+        "load balance": at("pressure", slice(None), 1e-7 * surface.pressure),
+        "p >= 0": at("pressure", beside, -1e-12),
+        "gap >= 0": at("u", (Y, beside), -gap - 2e-3 * height(entry.a)),
+        "|q| <= mu p": at("traction", slides, -1e-7 * surface.limit.max()),
+    }[name]
+    entries = [wrong if other is entry else other for other in history.entries]
+    found = checks.check(replace(history, entries=entries), height)
+    assert [failing for failing, check in found.items() if not check.holds] == [name]
 
 
 def test_a_contact_without_a_width_and_a_negative_energy_fail(loop):
