@@ -10,7 +10,7 @@ import pytest
 from running import coarse_arguments, run_command
 from solving import coarse_simulation, metered, solved
 
-from forms.contact import Y
+from forms.contact import X, Y
 from simulations.output.table import table
 from simulations.runs import checks, report_data
 from simulations.runs.closed_forms import Springs
@@ -111,6 +111,20 @@ def test_a_contact_without_a_width_and_a_negative_energy_fail(loop):
     found = checks.check(replace(history, entries=[*history.entries[:-1], lost]), height)
     assert [name for name, check in found.items() if not check.holds] == ["contact has a width", "energy >= 0"]
     assert "too few nodes" in checks.describe(found)
+    entry = next(entry for entry in history.entries if not entry.step.state)  # on the way a few nodes may do
+    entries = [replace(other, contact=(np.nan, np.nan)) if other is entry else other for other in history.entries]
+    assert checks.hold(checks.check(replace(history, entries=entries), height))
+
+
+def test_the_way_of_a_point_that_was_open_is_no_slip(loop):
+    """It has moved before it touched, whichever way."""
+    before, after = (entry.surface for entry in loop[0].history.entries[-2:])
+    slides = np.argmax(np.abs(after.slides * after.traction))
+    u, pressure = before.u.copy(), before.pressure.copy()
+    u[X, slides] = after.u[X, slides] - after.slides[slides]  # along with q since then
+    assert checks.wrong_slip(replace(before, u=u), after) > 10 * checks.WRONG_SLIP
+    pressure[slides] = 0.0
+    assert checks.wrong_slip(replace(before, u=u, pressure=pressure), after) < checks.WRONG_SLIP
 
 
 @pytest.mark.parametrize("name", ["pressure", "traction"])
