@@ -224,11 +224,23 @@ def number_before(words, refusal) -> float:
 
 @pytest.mark.parametrize("name", ["slip zone", "steep ends"])
 def test_what_a_refusal_asks_for_is_accepted(name):
+    """And twice as much is not: the number is rounded down to one digit."""
     changes, _ = REFUSALS[name]
+
+    def with_cells_of(size):
+        return coarse_simulation(**changes | {"mesh__edge_facet": size, "mesh__first_layer": size})
+
     with pytest.raises(SceneError) as refusal:
         coarse_simulation(**changes)
     needed = number_before(" or less", refusal)
-    coarse_simulation(**changes | {"mesh__edge_facet": needed, "mesh__first_layer": needed})
+    with_cells_of(needed)
+    with pytest.raises(SceneError, match=" or less"):
+        with_cells_of(2 * needed)
+
+
+def test_with_theta_of_minus_1_a_small_gamma0_is_stable():
+    (entry, *_) = coarse_simulation(solver__gamma0=0.1, solver__theta=-1).run()
+    assert entry.residual < entry.tolerance and entry.a == pytest.approx(1.0, abs=0.02)
 
 
 @pytest.mark.parametrize("k", [-0.3, 0.3])
