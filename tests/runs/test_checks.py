@@ -14,7 +14,7 @@ from forms.contact import X, Y
 from simulations.output.table import table
 from simulations.runs import checks, report_data
 from simulations.runs.closed_forms import Springs
-from simulations.runs.comparison import compare_all
+from simulations.runs.comparison import compare_all, compare_state, of_history, off
 from simulations.runs.energy import EnergyMeter, worst_defect
 from simulations.runs.mesh_free import MeshFree
 
@@ -187,6 +187,40 @@ def test_what_the_reference_may_have_made_itself_fails_no_check():
     assert set(found) == {"error of pressure", "error of a", "error of dissipated_energy"}
     assert not found["error of a"].holds and not found["error of dissipated_energy"].holds
     assert found["error of pressure"] == checks.Check(pytest.approx(0.09), 0.1)
+
+
+def test_slip_is_compared_in_contact_alone(loop):
+    history, last = loop[0].history, loop[0].history.entries[-1]
+    (left, right), x = last.contact, last.surface.x
+    other = replace(last, slip=np.where((x < left) | (x > right), 0.0, last.slip))
+    reference = of_history(replace(history, entries=[*history.entries[:-1], other]))
+    assert compare_state(last, reference)["slip_l2"] == 0.0
+
+
+def test_a_peak_that_the_mesh_does_not_show_is_not_compared(loop):
+    history, last = loop[0].history, loop[0].history.entries[-1]
+    pressure = last.surface.pressure.copy()
+    pressure[np.argmin(np.abs(last.surface.x))] *= 2.0
+    peaked = replace(last, surface=replace(last.surface, pressure=pressure))
+    reference = of_history(replace(history, entries=[*history.entries[:-1], peaked]))
+    assert compare_state(last, reference)["pressure_l2"] > 0.01
+    reference.without_middle = True
+    assert compare_state(last, reference)["pressure_l2"] == 0.0
+
+
+def test_the_references_own_error_is_that_of_its_worst_state(loop):
+    """It is added to the deviation of that state, which is none here."""
+    history, state = loop[0].history, loop[0].history.last_cycle[3]
+    entries, reference = [*history.entries], of_history(history)
+    entries[state.number] = replace(state, surface=replace(state.surface, traction=1.1 * state.surface.traction))
+    reference.coarser = of_history(replace(history, entries=entries))
+    last, worst, own = compare_all(history, reference)
+    assert own["traction_l2"] == worst["traction_l2"] == pytest.approx(0.1) and last["traction_l2"] == 0.0
+
+
+@pytest.mark.parametrize("computed, error", [(1.1, 0.12), (0.9, -0.12)])
+def test_what_the_reference_is_off_by_makes_an_error_larger(computed, error):
+    assert off(computed, 1.0, 0.02) == pytest.approx(error)
 
 
 def test_the_table_tells_what_of_the_errors_is_the_references(loop):

@@ -8,7 +8,7 @@ from solving import coarse_simulation
 
 from simulations import Simulation, make_scene
 from simulations.loading.stepping import SolveError
-from simulations.runs import critical_friction, zigzag_cause
+from simulations.runs import critical_friction, limits, zigzag_cause
 from simulations.runs.checks import check
 from simulations.runs.explain import explain
 from simulations.runs.report_data import find, summary
@@ -80,6 +80,7 @@ def test_pressing_without_an_answer_says_that_the_surface_is_too_stiff():
     with pytest.raises(SolveError, match="k is so close to -1 .* a larger mesh.first_layer") as said:
         simulation.run_to_end()
     assert "friction" not in str(said.value) and "load.mu or" not in str(said.value)
+    assert limits.too_stiff(make_scene({"solid.k": -0.9, "solid.nu": 0.3})) == ""  # another reason
     keys |= {"mesh.edge_facet": 3e-3, "mesh.first_layer": 3e-3}
     Simulation(MPI.COMM_SELF, make_scene(COARSE | SHORT | keys)).run_to_end()
 
