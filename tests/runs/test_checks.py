@@ -14,7 +14,7 @@ from forms.contact import X, Y
 from simulations.output.table import table
 from simulations.runs import checks, report_data
 from simulations.runs.closed_forms import Springs
-from simulations.runs.comparison import compare_all, compare_state, of_history, off
+from simulations.runs.comparison import compare_all, compare_state, of_history, off, own_of_number
 from simulations.runs.energy import EnergyMeter, worst_defect
 from simulations.runs.mesh_free import MeshFree
 
@@ -221,6 +221,15 @@ def test_the_references_own_error_is_that_of_its_worst_state(loop):
 @pytest.mark.parametrize("computed, error", [(1.1, 0.12), (0.9, -0.12)])
 def test_what_the_reference_is_off_by_makes_an_error_larger(computed, error):
     assert off(computed, 1.0, 0.02) == pytest.approx(error)
+    assert own_of_number(0.5, 0.4) == pytest.approx(0.2) and own_of_number(0.5, np.nan) == 0.0
+
+
+def test_round_off_in_the_reference_while_pressing_is_no_traction(loop):
+    history, pressed = loop[0].history, loop[0].history.entries[0]
+    for share, has in ((1e-10, False), (1e-6, True)):
+        surface = replace(pressed.surface, traction=share * pressed.surface.pressure)
+        reference = of_history(replace(history, entries=[replace(pressed, surface=surface)]))
+        assert ("traction_l2" in compare_state(pressed, reference)) == has
 
 
 def test_the_table_tells_what_of_the_errors_is_the_references(loop):
