@@ -3,7 +3,7 @@
 import pytest
 
 from simulations.fem.load import Load
-from simulations.loading.schedule import visiting
+from simulations.loading.schedule import LoadStep, pressed_first, visiting
 
 
 @pytest.mark.parametrize("P", [0.1, 0.3, 0.9])
@@ -13,3 +13,8 @@ def test_a_path_meets_its_points_to_the_last_digit(P):
     steps = visiting(Load(0.7), points, 3)
     assert [step.load for step in steps[2::3]] == points
     assert all(step.P == P for step in steps[2:6])
+
+
+def test_a_dwell_to_round_off_ends_no_pressing():
+    steps = [LoadStep(Load(P)) for P in (0.5, 1.0, 1.0 - 1e-13, 0.9)]
+    assert pressed_first(steps) == 3
