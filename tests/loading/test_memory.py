@@ -67,6 +67,7 @@ def test_what_sticks_all_the_way_is_exact_with_any_number_of_steps(name, error, 
     last = simulation.history.entries[-1]
     assert traction_error(simulation) < error
     assert last.c == pytest.approx(last.a, rel=4e-3 if name == "steep" else 1e-3)
+    assert all(entry.c <= entry.a for entry in simulation.history.entries)
     assert last.dissipated < 1e-6
     assert checks.traction_zigzags(last.surface) < 3e-3  # beside the edges of earlier steps, for k < 0
     assert not failing(simulation)

@@ -223,6 +223,7 @@ def test_friction_in_the_normal_stage_starts_with_locked_in_traction():
     for entry in simulation.run():
         if entry.step.branch != "normal":
             break
+        assert not np.any(entry.slip)  # which counts from the end of this stage
         pressed = entry.surface
     mu = simulation.mu
     assert np.abs(pressed.traction).max() > 0.05 * mu * pressed.pressure.max()
