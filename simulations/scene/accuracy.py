@@ -114,9 +114,7 @@ def expected(k: float, amplitude: float | None = 0.9, coupled: bool = False) -> 
     if not gradings or not gradings[0] <= k <= gradings[-1]:
         return []
     below, above = max(g for g in gradings if g <= k), min(g for g in gradings if g >= k)
-    if below < 0 <= k:  # another family: its lines say nothing here
-        below = 0.0
-    if k < 0 <= above:
+    if k < 0 <= above:  # another family: its lines say nothing here
         above = max(g for g in gradings if g < 0)
     column = "last" if amplitude is None else "error"
     choices: list[Choice] = []

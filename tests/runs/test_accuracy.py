@@ -104,6 +104,14 @@ def test_finer_is_asked_for_where_more_is_wanted():
         assert errors == sorted(errors), "the error expected falls with the fineness"
 
 
+def test_just_below_k_0_errors_are_those_of_the_meshes_for_k_below_0():
+    """Lines of k = 0 are of other meshes."""
+    for coupled in (False, True):
+        nearest = max(line.k for line in accuracy.table() if line.coupled == coupled and line.k < 0)
+        below, at = (accuracy.expected(k, 0.9, coupled) for k in (nearest / 2, nearest))
+        assert [choice.error for choice in below] == [choice.error for choice in at]
+
+
 def test_what_cannot_be_reached_is_refused_with_the_best_that_can():
     with pytest.raises(SceneError, match="the best measured for k = 0.3 is ") as refused:
         parse(DEFAULT_SCENE, ("solver.accuracy=1e-12",))
