@@ -15,6 +15,7 @@ from simulations.runs.energy import worst_defect
 from simulations.runs.mesh_free import MeshFree, equal_shares, refined
 from simulations.runs.reference import of_same_physics
 from simulations.scene import SceneError, make_scene, parse
+from simulations.scene.effects import Effects
 
 UNCOUPLED = (ROOT / "scenes" / "uncoupled.toml").read_text(encoding="utf-8")
 GHENT = (ROOT / "scenes" / "ghent.toml").read_text(encoding="utf-8")
@@ -50,6 +51,21 @@ def test_against_the_closed_form(cycles):
     expected = loop.amplitude.stress_xx(x, y)
     difference = np.abs(stress - expected).max(axis=1) / np.abs(expected).max(axis=1)
     assert np.all(difference < [5e-3, 1.5e-2])  # cells grow with the depth
+
+
+@pytest.mark.parametrize(
+    "changes, has_closed_form, increments",
+    [
+        ({}, True, 6),
+        ({"load.bulk_strain": 10 * STRAIN}, False, 6),
+        ({"load.bulk_phase": "constant"}, False, 6),
+        ({"load.bulk_phase": 90}, False, 12),
+    ],
+)
+def test_what_a_strain_calls_for(changes, has_closed_form, increments):
+    """Little of it in phase has a closed form; on an ellipse of loads there are more load steps."""
+    scene = make_scene({"load.bulk_strain": STRAIN} | changes, UNCOUPLED)
+    assert (Effects(scene).has_closed_form, scene.solver.increments) == (has_closed_form, increments)
 
 
 def test_ghent_rig():

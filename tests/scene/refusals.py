@@ -123,6 +123,10 @@ REFUSED: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "theta": (by_set("solver.theta=1", "solver.method=condensed"), ("solver.theta = 1", "0, or", "full")),
     "theta uncoupled": (by_set("solver.theta=1", "effects.coupling=false"), ("solver.theta = 1", "= false: 0, as")),
     "no Holl ratio": (by_set("solid.k=-0.3"), ('"holl"', "k = -0.3")),
+    "Holl ratio of a coating": (
+        by_set('solid.modulus="power-law coating"', "solid.thickness=1e-3"),
+        ('"holl"', 'modulus = "power-law coating", k = 0.3'),
+    ),
     "friction off, but mu": (by_set("effects.friction=false"), ("load.mu", "beside effects.friction = false")),
     "symmetry with friction": (by_set("effects.symmetry=true"), ("effects.symmetry", "the tangential load breaks it")),
     "locked in without coupling": (
@@ -133,9 +137,9 @@ REFUSED: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
         by_set("solid.nu=0.5", "effects.incompressibility=false"),
         ("effects.incompressibility", "nu = 1/2"),
     ),
-    "mixed at nu < 0": (
-        by_set("solid.nu=-0.2", "effects.incompressibility=true"),
-        ("effects.incompressibility", "nu = -0.2"),
+    "mixed at nu = 0": (
+        by_set("solid.nu=0", "effects.incompressibility=true"),
+        ("effects.incompressibility", "nu = 0: lambda is not positive"),
     ),
     "exponent of a parabola": (by_set("indenter.exponent=4"), ("indenter.exponent", 'indenter.profile = "parabola"')),
     "k of a homogeneous solid": (by_set("solid.modulus=homogeneous"), ("solid.k", 'solid.modulus = "homogeneous"')),
