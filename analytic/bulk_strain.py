@@ -73,7 +73,7 @@ class StretchedPartialSlip:
         """
         contact, solid = self.contact, self.contact.solid
         a, e, c = contact.a, float(self.shift), float(self.c)
-        ends = np.clip([-a, e - c, e + c, a], -a, a)
+        ends = np.array([-a, e - c, e + c, a])
         angle = np.pi * ((np.arange(nodes) + 0.5) / nodes - 0.5)  # in which powers at the ends do little harm
         half = np.diff(ends)[:, None] / 2
         s = (ends[:-1, None] + half * (1 + np.sin(angle))).ravel()
