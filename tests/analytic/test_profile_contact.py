@@ -127,6 +127,14 @@ def test_profile_against_kernel(k, profile):
         assert compliance * h == pytest.approx(profile.height(np.float64(x)), rel=1e-8, abs=1e-8 * profile.height(0.59))
 
 
+def test_a_flat_that_ends_sharper_than_a_parabola():
+    """f'' is infinite at the end of the flat, and (5) has all its digits."""
+    flat, k, s = 0.3, 0.2, 0.6
+    profile = Profile(lambda u: u**1.1, lambda u: 1.1 * u**0.1, lambda u: 0.11 * u**-0.9, flat=flat, order=1.1)
+    exact = abel_derivative(lambda x: 1.1 * (x - mp.mpf(flat)) ** 0.1, mp.mpf(k), mp.mpf(s), mp.mpf(flat))
+    assert relative_error(profile.abel_density(s, k) * s**k, exact) < RTOL
+
+
 def kernel_quadrature(pressure, k, x, breaks, power):
     """1/k ∫ p(t) (|t|^-k - |x-t|^-k) dt in binary64, with nodes crowded at every break."""
     v, weight = np.polynomial.legendre.leggauss(120)
