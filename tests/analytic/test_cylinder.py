@@ -23,6 +23,12 @@ def case(k, nu=0.3, y0=0.2):
     return CylinderContact(GradedHalfPlane(E0, nu, k, y0), R, P), reference
 
 
+def test_the_smallest_k_is_none():
+    """Products with it would lose their digits."""
+    tiny, none = (case(k)[0] for k in (5e-324, 0.0))
+    assert tiny.relative_displacement(2 * none.a) == none.relative_displacement(2 * none.a)
+
+
 @pytest.mark.parametrize("k", EXPONENTS)
 @pytest.mark.parametrize(("nu", "y0"), [(-0.9, 1e-6), (0.0, 1.0), (0.3, 0.2), (0.5, 1e6)])
 def test_half_width(k, nu, y0):

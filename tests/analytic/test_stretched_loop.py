@@ -131,6 +131,7 @@ def test_without_strain_it_is_the_loop(k):
         assert stretched.zone(Q, branch) == (0.0, loop.active_half_width(Q, branch))
     assert stretched.dissipated_energy == loop.dissipated_energy
     assert 4 * stretched.amplitude.work == pytest.approx(loop.dissipated_energy, rel=RTOL)
+    assert loop_of(k, load=0.0, share=0.0).dissipated(0.0, "initial") == 0.0
 
 
 @settings(max_examples=30)
