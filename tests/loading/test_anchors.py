@@ -155,6 +155,17 @@ def test_points_known_to_stick_that_slide_on_are_anchored_where_they_touch():
     assert np.all(anchors[np.abs(X) < 0.55] == 7.0)
 
 
+@pytest.mark.parametrize("r, holds", [(0.2, False), (-0.2, True)])
+def test_anchors_of_points_that_slide_count_where_they_would_hold_them(r, holds):
+    """All that enter slide. With anchors that let them slide on nothing changes; others are to be tried."""
+    before, after, ratio = touching(0.5), touching(0.7, stick=0.5), np.where(X > 0, -r, r)
+    ahead = after.states == OPEN
+    after.s[ahead] = (ratio * (before.clearance - after.clearance))[ahead]
+    nowhere = np.full(len(X), np.nan)
+    iteration = AnchorIteration(X, before, approach(r, -r), dict.fromkeys((-1, 1), np.nan), nowhere)
+    assert (iteration.renewed(after, np.zeros(len(X)), settled=1e-9) is not None) == holds
+
+
 def test_a_side_that_does_not_grow_keeps_its_ratio():
     found = approach(0.2, -0.3)
     found.measure(touching(0.7), touching(0.5))
