@@ -10,7 +10,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from analytic import ContactNotConverged, CoupledLoop, PowerProfile
+from analytic import CoupledLoop, PowerProfile
 from analytic.coupled.loop import ORDER
 from analytic.coupled.state import CoupledState
 
@@ -78,7 +78,7 @@ def loop_edges(
     """
     try:
         found = states_of(loop_of(scaled, mu, effects), tuple((step.P, step.Q) for step in schedule if step.cycle <= 1))
-    except (ContactNotConverged, ValueError, ArithmeticError):
+    except (RuntimeError, ValueError, ArithmeticError):
         return None
     states = [state for state in found if isinstance(state, CoupledState)]
     states = states[sum(state.branch is None for state in states) - 1 :]  # from the end of pressing on

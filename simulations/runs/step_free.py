@@ -71,7 +71,7 @@ class StepFree(OfStates):
             if like:
                 return loop.where_known(loads, [state for state in like._own if isinstance(state, CoupledState)])
             return states_of(loop, loads)
-        except (ContactNotConverged, ValueError, ArithmeticError) as failure:
+        except (RuntimeError, ValueError, ArithmeticError) as failure:
             raise NoReference(str(failure)) from None
 
     def _other(self, simulation, order):
