@@ -13,6 +13,7 @@ from ..material import GradedHalfPlane
 from . import guess
 from .branch import Branch
 from .pressed import NormalStage, PressedWithFriction
+from .problem import surface_of
 from .state import CoupledState
 from .work import FrictionalWork
 
@@ -23,9 +24,10 @@ ORDER = 10  # of the basis, which also says at how many loads a branch is solved
 class CoupledLoop:
     """Rigid profile on a graded half-plane, pressed by P, and then loaded by Q.
 
-    solid: a GradedHalfPlane; profile: a PowerProfile of an even power; P: line load [stress x length]; mu: friction
-    coefficient; coupling: False leaves out the coupling kernel; order: of the basis, see ``stick``; friction_first:
-    pressed with friction from first contact, where without coupling nothing slips.
+    solid: a GradedHalfPlane, or a LayeredKernel of a modulus that is a power law down to some depth; profile: a
+    PowerProfile of an even power; P: line load [stress x length]; mu: friction coefficient; coupling: False leaves out
+    the coupling kernel; order: of the basis, see ``stick``; friction_first: pressed with friction from first contact,
+    where without coupling nothing slips.
     Between two turns of Q the state depends on that at the first turn only: where it sticks its displacement is that
     at the turn, elsewhere |q| = mu p. So each state is found directly, and does not depend on those before it.
     """
@@ -73,6 +75,8 @@ class CoupledLoop:
 
     def _normal(self, P):
         if self.friction_first and self.coupling:
+            if surface_of(self.solid) is not self.solid:
+                raise ContactNotConverged("no contact pressed with friction on layers is similar to itself")
             return PressedWithFriction(self.solid, self.profile, P, self.mu, self.order)
         return NormalStage(self.solid, self.profile, P, self.mu, self.coupling, self.order)
 

@@ -5,7 +5,7 @@ from functools import lru_cache
 import numpy as np
 import pytest
 
-from analytic import CoupledLoop, GradedHalfPlane, LayeredKernel, PowerProfile
+from analytic import ContactNotConverged, CoupledLoop, GradedHalfPlane, LayeredKernel, PowerProfile
 from analytic.half_plane.solver import HalfPlaneContact
 
 MU, PROFILE, Q_A = 0.3, PowerProfile(0.5, 2.0), 0.25
@@ -75,3 +75,8 @@ def test_a_coating_like_its_substrate():
         edges = (*expected.contact, *expected.stick)
         assert (*state.contact, *state.stick) == pytest.approx(edges, abs=1e-8)
         assert state.dissipated_energy == pytest.approx(expected.dissipated_energy, rel=2e-6)
+
+
+def test_a_coating_pressed_with_friction_is_refused():
+    with pytest.raises(ContactNotConverged, match="on layers"):
+        CoupledLoop(coated(0.3, 0.5), PROFILE, 1.0, MU, friction_first=True).run(LOADS[:2])
