@@ -125,7 +125,7 @@ def expectation(scene: Scene) -> str:
     choice = _choice(scene)
     sizes = f"facets of {choice.mesh['mesh.facet']:g} a, degree {choice.mesh['mesh.degree']}"
     effects = Effects(scene)
-    if effects.has_closed_form or (scene.is_loop and serves(scene, effects)):
+    if effects.has_closed_form or (scene.is_loop and scene.is_power_law and serves(scene, effects)):
         return f"accuracy {scene.solver.accuracy:g}: {sizes}; expected error {choice.error:.1e}"
     return f"accuracy {scene.solver.accuracy:g}: {sizes}; measured for simpler scenes: the error is said at the end"
 
