@@ -111,11 +111,11 @@ def stick_compliance(problem, half):
 
 def _compliance_of_layers(problem, half):
     """The same with layers: just after pressing to this half-width without friction, continued to Q = 0."""
-    load = WithoutFriction(problem, half).load
-    problem = replace(
-        problem, height=lambda x, of=problem.height: of(x) / load, slope=lambda x, of=problem.slope: of(x) / load
-    )
-    base = WithoutFriction(problem, half)
-    solver, t = EdgeSolver(base, problem.mu), problem.mu * np.array(JUST_AFTER)
-    moved = [solver.state(load, guess.uncoupled(problem.k, problem.mu, load, half))[0].delta_x for load in t]
+    height, slope, P = problem.height, problem.slope, WithoutFriction(problem, half).load
+    problem = replace(problem, height=lambda x: height(x) / P, slope=lambda x: slope(x) / P)
+    solver, t = EdgeSolver(WithoutFriction(problem, half), problem.mu), problem.mu * np.array(JUST_AFTER)
+    moved, edges = [], guess.uncoupled(problem.k, problem.mu, t[0], half)
+    for load in t:
+        state, edges = solver.state(load, edges)  # these variables change little with the load
+        moved.append(state.delta_x)
     return float(np.linalg.solve(np.stack([np.ones_like(t), t, t * np.log(t), t**2], axis=1), moved / t)[0])
