@@ -26,6 +26,13 @@ def test_layer_means(modulus):
     assert modulus.layer_mean(top, bottom) == pytest.approx(exact / (bottom - top), rel=1e-9)
 
 
+def test_coatings_between_surface_and_substrate():
+    """Halfway the arithmetic mean of both moduli, or the geometric one."""
+    y = np.array([0.0, 0.25, 0.5, 2.0])
+    assert Coating(4.0, 1.0, 0.5).young(y) == pytest.approx([4.0, 2.5, 1.0, 1.0])
+    assert Coating(4.0, 1.0, 0.5, exponential=True).young(y) == pytest.approx([4.0, 2.0, 1.0, 1.0])
+
+
 @pytest.mark.parametrize("modulus", MODULI[:3], ids=str)
 def test_surface_moduli(modulus):
     """Along the surface the mean of E over the mesh depth of the cell, into the body E/(dy/ds), for k < 0 its mean."""
