@@ -192,3 +192,15 @@ def _wide_enough(solid, profile, P):
         else:  # not a number: beyond the end of the profile
             growth **= 0.5
     raise ValueError(f"the indenter's profile ends at x = {profile.flat + width:.3g}, before it carries P")
+
+
+def half_width_where(excess, guess, step, **options):
+    """e^t at the root of a function that grows with the logarithm t of a half-width; sought in steps from a guess of t,
+    and by brentq with these options.
+    """
+    low = high = guess
+    while excess(low) > 0:
+        low -= step
+    while excess(high) < 0:
+        high += step
+    return exp(brentq(excess, low, high, **options))

@@ -50,22 +50,24 @@ def solve(base, friction, edges, layout, Q) -> Solution:
     rule = ContactRule(contact, (c_l, c_r), k)
     D, b = contact.profile()
     D_layers, b_layers = contact.of_heights(problem.terms)
-    heights = chebvander(contact.local(x)[0], max(problem.terms - 1, 0))[:, : problem.terms]
     odd_s = rule.odd(x, k)
 
     def of_limit(nodes, weights, contracted):
-        """Of r at nodes: w H[r/w] - v H[r/v] at the nodes of the rule, ∫ p, ∫ r, ∫ r/w."""
+        """Of r at nodes: w H[r/w] at the nodes of the rule, less v H[r/v], and for layers less root H[r/root]; ∫ p,
+        ∫ r, ∫ r/w.
+        """
         weight = contact.weight(nodes)
         t, left, right = contact.local(nodes)
         cauchy = weights / np.pi / (rule.x[:, None] - nodes)
-        smooth = rule.w[:, None] * contracted(cauchy, weight)
-        smooth -= rule.v[:, None] * contracted(cauchy, (left * right) ** (k / 2))
+        whole = rule.w[:, None] * contracted(cauchy, weight)
+        smooth = whole - rule.v[:, None] * contracted(cauchy, (left * right) ** (k / 2))
         root = np.sqrt(left * right)
+        rooted = whole - rule.root[:, None] * contracted(cauchy, root) if problem.terms else None
         load = contracted((rule.weights * rule.w @ cauchy)[None], weight)
         load -= contracted((rule.weights * rule.root @ cauchy + weights * t)[None], root)
-        whole = contracted(weights[None], 1.0)[0]
+        of_r = contracted(weights[None], 1.0)[0]
         over_w = contracted(weights[None], weight)[0]
-        return smooth, alpha * whole + beta * load[0], whole, over_w
+        return smooth, rooted, alpha * of_r + beta * load[0], of_r, over_w
 
     def at_edges(nodes, weights, contracted):
         """H[r/w] at both edges of contact."""
@@ -73,7 +75,7 @@ def solve(base, friction, edges, layout, Q) -> Solution:
 
     coarse = stick.rule(COARSE)
     limit = coarse.nodes, coarse.weights, lambda m, w: stick.contracted(m / w, COARSE)
-    smooth, of_p, of_r, over_w = of_limit(*limit)
+    smooth, rooted, of_p, of_r, over_w = of_limit(*limit)
     even, odd = stick.matrices(k)
     # unknowns: r, two singular parts of p, polynomials of the layers, u_x where it is constant
     of_heights = rule.w[:, None] * chebvander(rule.t, len(D_layers) - 1) @ D_layers
@@ -82,7 +84,6 @@ def solve(base, friction, edges, layout, Q) -> Solution:
     A, right = np.zeros((n + 3 + problem.terms,) * 2), np.zeros(n + 3 + problem.terms)
     A[:n, :-1] = chi * (odd_s @ on_rule)
     A[:n, :n] += of_even * even + of_odd * odd
-    A[:n, n + 2 : -1] -= f * problem.gk / problem.bk * heights
     A[:n, -1] = -1
     A[n, :n], A[n, n : n + 2], A[n, n + 2 : -1] = of_p, contact.unbounded, rule.weights @ of_heights
     A[n + 1, :n] = of_r
@@ -90,30 +91,33 @@ def solve(base, friction, edges, layout, Q) -> Solution:
     right[:n] = base.moved(x) + f * problem.gk / problem.bk * problem.height(x)
     right[n : n + 3] = 1, f - Q, b
     limits = [(slice(n), limit)]  # by columns
-    known, of_known = None, 0.0
-    profile = p_known = rule.w * D(rule.t)
+    known, of_known, profile = None, 0.0, rule.w * D(rule.t)
+    p_known = p_rooted = profile
     if stick.panels and np.any((base.breaks > stick.inner[0]) & (base.breaks < stick.inner[-1])):
         known = base.limit_between(f, *stick.inner[[0, -1]], x)
     if known:
         source, r = known
         limit_known = source.nodes, source.weights, lambda m, w: m @ (r / w)[:, None]
         limits.append((slice(-1, None), limit_known))
-        smooth_known, of_p, of_r, over_w = of_limit(*limit_known)
+        smooth, rooted_known, of_p, of_r, over_w = of_limit(*limit_known)
         of_known = at_edges(*limit_known)[:, 0]
         even, odd = source.matrices(x, k)
         right[:n] -= of_even * (even @ r) + of_odd * (odd @ r)
         right[n : n + 3] -= of_p[0], of_r[0], -beta / np.pi / contact.half * over_w[0]
-        p_known = p_known + beta * smooth_known[:, 0]
+        p_known = profile + beta * smooth[:, 0]
+        if problem.terms:
+            p_rooted = profile + beta * rooted_known[:, 0]
     right[:n] -= chi * (odd_s @ p_known)
     right[n] -= rule.weights @ profile
     if problem.terms:
-        t = chebpts1(problem.terms)
-        places = np.concatenate([x, contact.middle + contact.half * t])
-        without_r = np.hstack([np.zeros_like(smooth), singular, of_heights, profile[:, None]])
-        u_x, u_y = displaced(problem, f, contact, rule, places, without_r, limits, alpha, beta)
+        places = np.concatenate([x, contact.middle + contact.half * chebpts1(problem.terms)])
+        heights = chebvander(contact.local(places)[0], problem.terms - 1)
+        on_rule = np.hstack([beta * rooted, singular, of_heights, p_rooted[:, None]])
+        u_x, u_y = displaced(problem, f, contact, rule, places, on_rule, limits, alpha, beta)
         A[:n, :-1] += u_x[:n, :-1]
+        A[:n, n + 2 : -1] -= f * problem.gk / problem.bk * heights[:n]
         A[n + 3 :, :-1] = -u_y[n:, :-1]
-        A[n + 3 :, n + 2 : -1] += chebvander(t, problem.terms - 1)
+        A[n + 3 :, n + 2 : -1] += heights[n:]
         right[:n] -= u_x[:n, -1]
         right[n + 3 :] = u_y[n:, -1]
     u = np.linalg.solve(A, right)

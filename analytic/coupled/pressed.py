@@ -2,14 +2,14 @@
 
 from dataclasses import replace
 from functools import cached_property, lru_cache
+from math import exp, log
 
 import numpy as np
 from numpy.polynomial import Chebyshev
 from numpy.polynomial.chebyshev import chebpts1, chebvander
-from scipy.optimize import brentq
 
 from ..checks import ContactNotConverged
-from ..normal import normal_contact
+from ..normal import half_width_where, normal_contact
 from ..pressing_with_friction import PressingWithFriction
 from .panels import Panels, divided, graded
 from .problem import problem_of, surface_of
@@ -79,18 +79,12 @@ class NormalStage(WithoutFriction):
         self.solid, self.P = surface_of(solid), P
         self.a = normal_contact(self.solid, profile, P).a
         if self.solid is not solid:
-            self.a = _root(lambda log_a: np.log(WithoutFriction(problem(np.exp(log_a))).load), np.log(self.a))
+
+            def excess(log_a):
+                return log(WithoutFriction(problem(exp(log_a))).load)
+
+            self.a = half_width_where(excess, log(self.a), STEP, xtol=1e-13)
         super().__init__(problem(self.a))
-
-
-def _root(excess, log_a):
-    """a at which an increasing function of its logarithm is zero."""
-    low = high = log_a
-    while excess(low) > 0:
-        low -= STEP
-    while excess(high) < 0:
-        high += STEP
-    return float(np.exp(brentq(excess, low, high, xtol=1e-13)))
 
 
 class PressedWithFriction(StateOnContact):

@@ -83,6 +83,6 @@ def surface_of(body):
 
 
 def _scaled(kernels, factor, coupling):
-    kernels = np.ascontiguousarray(kernels) * factor  # products of matrices are ten times as fast then
+    kernels = np.multiply(kernels, factor, order="C")  # products of matrices are ten times as fast then
     kernels[2] *= coupling
     return kernels

@@ -11,10 +11,10 @@ from functools import cached_property
 from math import exp, log
 
 import numpy as np
-from scipy.optimize import brentq
 
 from ..checks import ContactNotConverged, require_partial_slip
 from ..material import GradedHalfPlane
+from ..normal import half_width_where
 from .edges import stuck_runs
 from .increment import Increment
 from .interpolation import Interpolant
@@ -219,12 +219,7 @@ class HalfPlaneContact:
                 return log(1 / FLOOR)
             return log(max(height / (P * (near - far)), FLOOR))
 
-        low = high = log(flat) if flat else 0.0
-        while excess(low) > 0:
-            low -= 5
-        while excess(high) < 0:
-            high += 5
-        return flat + exp(brentq(excess, low, high))
+        return flat + half_width_where(excess, log(flat) if flat else 0.0, step=5)
 
 
 def _initial_sets(x, layout, previous):

@@ -53,6 +53,7 @@ def test_at_the_holl_ratio_coupling_changes_nothing():
     "changes, coupled",
     [
         ({}, False),
+        ({"solid.nu": 0.3}, True),
         ({"solid.nu": 1 / 2.3 + 1e-6}, True),
         ({"solver.theta": 1.0}, True),
         ({"effects.friction_in_normal_stage": True}, True),

@@ -137,6 +137,10 @@ REFUSED: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
         by_set("solid.nu=0.5", "effects.incompressibility=false"),
         ("effects.incompressibility", "nu = 1/2"),
     ),
+    "mixed at nu < 0": (
+        by_set("solid.nu=-0.2", "effects.incompressibility=true"),
+        ("effects.incompressibility", "nu = -0.2"),
+    ),
     "mixed at nu = 0": (
         by_set("solid.nu=0", "effects.incompressibility=true"),
         ("effects.incompressibility", "nu = 0: lambda is not positive"),
