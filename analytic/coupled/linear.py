@@ -7,9 +7,9 @@ from numpy.polynomial import Chebyshev
 from numpy.polynomial.chebyshev import chebpts1, chebvander
 
 from ..edge_exponents import edge_exponents, hilbert_factors, hilbert_ratio
-from .layers import displaced
+from .layers import displaced, displaced_by_kinks
 from .rule import ContactRule
-from .stick import COARSE, StickBasis
+from .stick import COARSE, PARTS, StickBasis
 from .tractions import SlipState
 from .weight import ContactInterval
 
@@ -52,10 +52,11 @@ def solve(base, friction, edges, layout, Q) -> Solution:
     D_layers, b_layers = contact.of_heights(problem.terms)
     odd_s = rule.odd(x, k)
 
-    def of_limit(nodes, weights, contracted):
-        """Of r at nodes: w H[r/w] at the nodes of the rule, less v H[r/v], and for layers less root H[r/root]; ∫ p,
+    def of_limit(panels, contracted):
+        """Of r on panels: w H[r/w] at the nodes of the rule, less v H[r/v], and for layers less root H[r/root]; ∫ p,
         ∫ r, ∫ r/w.
         """
+        nodes, weights = panels.nodes, panels.weights
         weight = contact.weight(nodes)
         t, left, right = contact.local(nodes)
         cauchy = weights / np.pi / (rule.x[:, None] - nodes)
@@ -69,12 +70,12 @@ def solve(base, friction, edges, layout, Q) -> Solution:
         over_w = contracted(weights[None], weight)[0]
         return smooth, rooted, alpha * of_r + beta * load[0], of_r, over_w
 
-    def at_edges(nodes, weights, contracted):
+    def at_edges(panels, contracted):
         """H[r/w] at both edges of contact."""
-        return contracted(weights / np.pi / (np.array([[x_l], [x_r]]) - nodes), contact.weight(nodes))
+        matrix = panels.weights / np.pi / (np.array([[x_l], [x_r]]) - panels.nodes)
+        return contracted(matrix, contact.weight(panels.nodes))
 
-    coarse = stick.rule(COARSE)
-    limit = coarse.nodes, coarse.weights, lambda m, w: stick.contracted(m / w, COARSE)
+    limit = stick.rule(COARSE), lambda m, w: stick.contracted(m / w, COARSE)
     smooth, rooted, of_p, of_r, over_w = of_limit(*limit)
     even, odd = stick.matrices(k)
     # unknowns: r, two singular parts of p, polynomials of the layers, u_x where it is constant
@@ -90,21 +91,21 @@ def solve(base, friction, edges, layout, Q) -> Solution:
     A[n + 2, :n], A[n + 2, n + 1], A[n + 2, n + 2 : -1] = -beta / np.pi / contact.half * over_w, 1, -b_layers
     right[:n] = base.moved(x) + f * problem.gk / problem.bk * problem.height(x)
     right[n : n + 3] = 1, f - Q, b
-    limits = [(slice(n), limit)]  # by columns
+    limits = [(slice(n), *limit)]  # by columns
     known, of_known, profile = None, 0.0, rule.w * D(rule.t)
     p_known = p_rooted = profile
     if stick.panels and np.any((base.breaks > stick.inner[0]) & (base.breaks < stick.inner[-1])):
         known = base.limit_between(f, *stick.inner[[0, -1]], x)
     if known:
         source, r = known
-        limit_known = source.nodes, source.weights, lambda m, w: m @ (r / w)[:, None]
-        limits.append((slice(-1, None), limit_known))
-        smooth, rooted_known, of_p, of_r, over_w = of_limit(*limit_known)
+        limit_known = source, lambda m, w: m @ (r / w)[:, None]
+        limits.append((slice(-1, None), *limit_known))
+        smooth_known, rooted_known, of_p, of_r, over_w = of_limit(*limit_known)
         of_known = at_edges(*limit_known)[:, 0]
         even, odd = source.matrices(x, k)
         right[:n] -= of_even * (even @ r) + of_odd * (odd @ r)
         right[n : n + 3] -= of_p[0], of_r[0], -beta / np.pi / contact.half * over_w[0]
-        p_known = profile + beta * smooth[:, 0]
+        p_known = profile + beta * smooth_known[:, 0]
         if problem.terms:
             p_rooted = profile + beta * rooted_known[:, 0]
     right[:n] -= chi * (odd_s @ p_known)
@@ -112,8 +113,13 @@ def solve(base, friction, edges, layout, Q) -> Solution:
     if problem.terms:
         places = np.concatenate([x, contact.middle + contact.half * chebpts1(problem.terms)])
         heights = chebvander(contact.local(places)[0], problem.terms - 1)
-        on_rule = np.hstack([beta * rooted, singular, of_heights, p_rooted[:, None]])
-        u_x, u_y = displaced(problem, f, contact, rule, places, on_rule, limits, alpha, beta)
+        p_less_rooted = np.hstack([beta * rooted, singular, of_heights, p_rooted[:, None]])
+        u = displaced(contact, rule, places, p_less_rooted, limits, alpha, beta)
+        if problem.kinks is not None:
+            fine = slice(n), stick.rule(PARTS), lambda m, w: stick.contracted(m / w, PARTS)
+            p_less_H = np.hstack([on_rule, p_known[:, None]])
+            u += displaced_by_kinks(contact, rule, places, p_less_H, [fine, *limits[1:]], alpha, beta, Q)
+        u_x, u_y = u
         A[:n, :-1] += u_x[:n, :-1]
         A[:n, n + 2 : -1] -= f * problem.gk / problem.bk * heights[:n]
         A[n + 3 :, :-1] = -u_y[n:, :-1]

@@ -42,7 +42,10 @@ class WithoutFriction(StateOnContact):
         if problem.terms:
             t, panels, interval = chebpts1(problem.terms), self._panels, self._interval
             x = panels.nodes
-            of_p = problem.of_layers(interval.half * t, x)[0] * (panels.weights * interval.weight(x))
+            of_p = problem.of_layers(interval.half * t, x)[0] * panels.weights
+            if problem.kinks is not None:
+                of_p += problem.kinks[0] * (interval.half * t[:, None] - x) * panels.matrices(interval.half * t, 0.0)[1]
+            of_p *= interval.weight(x)
             D_layers, _ = interval.of_heights(problem.terms)
             s = interval.local(x)[0]
             A = chebvander(t, problem.terms - 1) - of_p @ chebvander(s, len(D_layers) - 1) @ D_layers

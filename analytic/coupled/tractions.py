@@ -116,8 +116,12 @@ class StateOnContact:
         panels, p, q = self._sources
         even, odd = panels.matrices(x, self.problem.k)
         result = np.stack(self.problem.displacements(even @ p, odd @ p, even @ q, odd @ q))
-        if not self.problem.smooth:
+        if not self.problem.regular:
             return result
+        if self.problem.kinks is not None:  # |z| = z O and z ln|z| = -z R
+            n, t, d = self.problem.kinks
+            z_even, z_odd = ([m @ f * x - m @ (panels.nodes * f) for f in (p, q)] for m in (even, odd))
+            result += np.stack([t * z_odd[1] - d * z_even[0], n * z_odd[0] + d * z_even[1]])
         few = Panels.between(divided(np.array([x.min(), x.max()]), self.problem.longest))
         if len(x) <= len(few.nodes):
             return result + self._of_layers(x)

@@ -94,7 +94,7 @@ def stick_compliance(problem, half):
     (``oscillation``); C from the integral of phi. delta_x is u_x at the right edge, where the integrals are beta
     functions: with s = e^(kG) = (2 half)^-k Γ(1+k) Γ(conj(e)-k)/Γ(conj(e)) it is gk [(Re s - 1)/k - D Im s].
     """
-    if problem.smooth:
+    if problem.regular:
         return _compliance_of_layers(problem, half)
     k = problem.k
     D = problem.d / np.sqrt(problem.bk * problem.gk)

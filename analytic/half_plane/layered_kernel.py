@@ -12,6 +12,7 @@ from functools import cached_property
 import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
+from scipy.special import xlogy
 
 from ..material import GradedHalfPlane
 from ..quadrature import gauss_rule
@@ -32,6 +33,8 @@ CUTOFF = 1e-13  # of the singular values: smaller ones only make strong sources 
 SHALLOWEST = 2.0
 LARGEST_MISFIT, LARGEST_AT_SURFACE = 1e-5, 0.02
 TABLE = 1600  # points of the tabulated smooth part
+SHORT = 1e3 * 2.0 ** np.arange(4)  # wavenumbers, times the depth, from which the compliance is continued to infinity
+LEAST_KINK = 1e-4  # change of E by its slope over the depth, over E; rounding is below
 
 
 def surface_compliance(modulus, nu, wavenumber, depth, surface_exponent=0.0):
@@ -112,13 +115,28 @@ class LayeredKernel:
         return [(omega * C)[[1, 0, 2]].T for C in both]
 
     @cached_property
+    def kinks(self):
+        """Factors (3,) of |x| in N and T and of x ln|x| in D, not zero where k = 0 and E has a slope at the surface."""
+        if self.k or np.isinf(self.depth):
+            return np.zeros(3)
+        omega = SHORT / self.depth
+        power, whole = self._decay(omega)
+        rest = np.linalg.solve(omega[:, None] ** -np.arange(len(omega)), omega[:, None] * (whole - power))[0]
+        is_smooth = np.abs(rest).max() * self.depth < LEAST_KINK * power[0, 0]
+        return np.zeros(3) if is_smooth else rest * [-1 / 2, -1 / 2, 1 / np.pi]
+
+    def _of_kinks(self, omega):
+        """ω ΔC of the ``kinks`` for waves shorter than the depth, for longer ones it fades: columns N, T, Im C_xy."""
+        return self.kinks * [-2, -2, np.pi] * (-np.expm1(-omega * self.depth) / omega)[:, None]
+
+    @cached_property
     def _sources(self):
-        """Depths h and strengths a of ω ΔC = Σ a e^(-ωh), columns N, T, D; and the misfit."""
+        """Depths h and strengths a of ω ΔC = Σ a e^(-ωh) beside ``_of_kinks``, columns N, T, D; and the misfit."""
         low, high = LONGEST / self.largest, 3 / self.smallest
         decades = np.log10(high / low)
         omega = np.geomspace(low, high, int(PER_DECADE * decades))
         power, whole = self._decay(omega)
-        target = whole - power
+        target = whole - power - self._of_kinks(omega)
         left = np.abs(target[-1]).max() / np.abs(power[-1, 0])
         if left > LARGEST_AT_SURFACE:
             raise ValueError(
@@ -152,24 +170,35 @@ class LayeredKernel:
         order = 1 / (1 + min(self.k, 0.0))
         omega = LONGEST / self.largest * t**order
         power, whole = self._decay(omega)
-        left = whole - power - np.exp(-omega[:, None] * h) @ strength
+        left = whole - power - self._of_kinks(omega) - np.exp(-omega[:, None] * h) @ strength
         steps = weight * order * omega / t
         return steps @ left, steps * omega @ left
 
     @cached_property
     def _table(self):
-        """Splines of the smooth parts of N, T and D over arsinh(x/smallest)."""
+        """Splines of the parts of N, T and D without kinks over arsinh(x/smallest)."""
         (h, strength, _), (slope, curvature) = self._sources, self._long_waves
         u = np.linspace(0, np.arcsinh(self.largest / self.smallest), TABLE)
         x = self.smallest * np.sinh(u)[:, None]
         even = -(np.log1p((x / h) ** 2) @ strength[:, :2] + x**2 * curvature[:2]) / (2 * np.pi)
         # C_xy is imaginary: the sine transform of D is -Im C_xy
         odd = -(np.arctan2(x, h) @ strength[:, 2] + x[:, 0] * slope[2]) / np.pi
-        return CubicSpline(u, np.column_stack([even, odd]))
+        regular = np.column_stack([even, odd])
+        if self.kinks.any():  # what ``_of_kinks`` has beside them
+            x, h = x[:, 0], self.depth
+            of_even = 2 / np.pi * (h / 2 * np.log1p((x / h) ** 2) - x * np.arctan(x / h))
+            of_odd = -(x / 2 * np.log(x**2 + h**2) + h * np.arctan(x / h))
+            regular += self.kinks * np.column_stack([of_even, of_even, of_odd])
+        return CubicSpline(u, regular)
+
+    def regular(self, z):
+        """``smooth`` without the ``kinks``."""
+        return np.moveaxis(self._table(np.arcsinh(z / self.smallest)), -1, 0)
 
     def smooth(self, z):
         """Difference of N, T and D from the power law at distance z >= 0, shape (3, *z.shape), for quadrature."""
-        return np.moveaxis(self._table(np.arcsinh(z / self.smallest)), -1, 0)
+        kinks = self.kinks.reshape(3, *[1] * np.ndim(z))
+        return self.regular(z) + kinks * np.stack([z, z, xlogy(z, z)])
 
     def values(self, z):
         """N, T and D at distance z > 0 [1/stress], shape (3, *z.shape)."""

@@ -7,6 +7,7 @@ stick after every load step are known, and the mesh has a place for each. The re
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
+from math import log
 
 import numpy as np
 
@@ -18,11 +19,12 @@ from ..loading.schedule import LoadStep
 from ..scene import Scene
 from ..scene.effects import Effects
 from ..scene.scaling import Scaled
-from ..scene.tables import PowerLawCoating
+from ..scene.tables import ExponentialCoating, PowerLawCoating
 from .expected_edges import FINER_WITH_COUPLING, MERGED, TURNED, ExpectedEdges, several, share_of_limit, stops_at
 
 LOWEST, HIGHEST = -0.9, 0.9  # k for which docs/accuracy.md has what both orders of the basis differ by
 THINNEST = 0.05  # coating over the half-width of contact: edges are known to 5e-6 a there, with 0.02 to 1.4e-4 a
+STEEPEST = 6.0  # slope of E at the surface over E, times the half-width: q is known to 7e-4 there
 STEEP = -0.5  # k below which pressure zigzags where its edge has no place in a facet: by 15 % at k = -0.6
 # by degree: smaller facets at edges, over a, gain from better edges; for k < STEEP those of degree 1 at any degree,
 # as on larger ones the energy of a load step is known to 1.2e-6 only (k = -0.9)
@@ -31,21 +33,25 @@ FINE = {1: 2e-3, 2: 0.02, 3: 0.02}
 
 def serves(scene: Scene, effects: Effects) -> bool:
     """True for coupling on a power law under an even power profile, without bulk strain, at constant P once Q acts; no
-    other effect, such as elastic slip. Also on a power-law coating that is not too thin, pressed without friction.
+    other effect, such as elastic slip. Also on a coating that is not too thin or steep, pressed without friction.
     """
     others = "bulk strain" in effects or effects.without_closed_form
     if "coupling" not in effects or not LOWEST <= scene.k <= HIGHEST or others:
         return False
-    if not scene.is_power_law and ("friction in normal stage" in effects or not _is_thick(scene)):
+    if not scene.is_power_law and ("friction in normal stage" in effects or not _is_mild(scene)):
         return False
     profile = scene.shape.analytic()
     return isinstance(profile, PowerProfile) and profile.m % 2 == 0
 
 
-def _is_thick(scene):
-    """Whether layers add smooth kernels: E(y) is a power law at the surface, down to THINNEST."""
-    solid = scene.material
-    return isinstance(solid, PowerLawCoating) and solid.thickness >= THINNEST * scene.half_width
+def _is_mild(scene):
+    """Whether a coating changes so little over the half-width of contact that polynomials carry what it adds to u_y."""
+    solid, a = scene.material, scene.half_width
+    slope = 0.0
+    if not isinstance(solid, PowerLawCoating):
+        ratio = solid.E_substrate / solid.E0
+        slope = (log(ratio) if isinstance(solid, ExponentialCoating) else ratio - 1) / solid.thickness
+    return solid.thickness >= THINNEST * a and abs(slope) * a <= STEEPEST
 
 
 def loop_of(scaled: Scaled, mu: float, effects: Effects | tuple[str, ...], order: int = ORDER) -> CoupledLoop:

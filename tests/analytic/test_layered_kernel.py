@@ -190,6 +190,23 @@ def test_coatings_up_to_a_factor_of_ten(kind, ratio, thickness):
     assert kernel.misfit.max() < 5e-6
 
 
+@pytest.mark.parametrize("slope", [-0.7, 2.0])
+def test_kinks_are_all_that_a_slope_adds_close_to_a_force(slope):
+    kernel = LayeredKernel(
+        lambda y: 1 + slope * np.minimum(y, 1.0), GradedHalfPlane(1.0, 0.3, 0.0, 1.0), 1.0, 1e-4, 30.0
+    )
+    z = np.array([1e-3, 4e-3])
+    regular = kernel.regular(z) / kernel.kinks[:, None]
+    assert np.abs(np.diff(regular[:2]) / np.diff(z)).max() < 0.05 * abs(slope)  # of |z|: 1
+    assert abs(np.diff(regular[2] / z)) < 0.05 * abs(slope)  # of z ln|z|: ln 4
+    assert np.all(kernel.kinks[:2] * slope > 0) and kernel.kinks[2] * slope < 0
+
+
+def test_a_modulus_without_slope_has_no_kinks():
+    film = LayeredKernel(lambda y: np.where(y < 1, 2.0, 1.0), GradedHalfPlane(2.0, 0.3, 0.0, 1.0), 1.0, 1e-3, 30.0)
+    assert not film.kinks.any()
+
+
 def test_misfit_counts_over_the_compliance_of_the_body():
     """A coating stiff at the surface, k < 0: long waves feel nothing of its power law, which is far softer."""
     k, thickness = -0.6, 0.05

@@ -72,7 +72,10 @@ def test_a_power_law_coating_has_a_reference_without_load_steps():
     [
         ("power-law coating", POWER_LAW, 0.3, True),
         ("power-law coating", POWER_LAW, 0.05, False),  # too thin for its polynomials
-        ("linear", "E_substrate = 70e9", 1.0, False),  # its kernel is not smooth
+        ("linear", "E_substrate = 70e9", 1.0, True),
+        ("linear", "E_substrate = 70e9", 0.1, False),  # too steep
+        ("exponential", "E_substrate = 400e9", 0.5, True),
+        ("exponential", "E_substrate = 20e9", 0.5, False),
     ],
 )
 def test_coatings_without_load_steps(modulus, more, thickness, expected):
