@@ -18,8 +18,8 @@ LEAP_MARGIN = 0.01  # over the width of slip, by which a leap goes too far; a te
 SHORTER = 0.1  # change of the widths of slip in a guess that leaves no stick
 LEAST_STICK, LEAST_SLIP = 1e-4, 1e-12  # shares of the contact that have to stick, and to slip at each edge
 SETTLED = 1e-8  # largest amplitude (see ``linear.Solution``) at which the edges rest,
-BORNE = 1e-7  # and that borne where it falls no further: rounding, where slip has hardly begun,
-BORNE_WITH_KINKS = 1e-5  # and panels over kernels that are not smooth, whose number changes with the edges
+BORNE = 1e-7  # and that borne where it falls no further: rounding, where slip has hardly begun;
+WITH_KINKS = 1e-6, 1e-5  # the same on kernels that are not smooth: the number of panels over them changes with the edges
 JUMP = 1e-6  # amplitude borne at a place that is known to FEATURE: there the basis changes, and the amplitude with it
 FADED = 0.1  # part of the present amplitude below which an opposite one, halved again and again, counts no more
 REACHED = 0.99  # share of the way to a place with an amplitude of the other sign, from which a step passes it
@@ -50,7 +50,7 @@ class EdgeSolver:
 
     def __init__(self, base, friction):
         self.base, self.friction = base, friction
-        self._borne = BORNE if base.problem.kinks is None else BORNE_WITH_KINKS
+        self._settled, self._borne = (SETTLED, BORNE) if base.problem.kinks is None else WITH_KINKS
 
     def state(self, Q, y, iterations=ITERATIONS):
         """State at Q and its variables, from the guess y. Raises ContactNotConverged."""
@@ -72,7 +72,7 @@ class EdgeSolver:
         for _ in range(iterations):
             size = np.abs(now.amplitudes).max()
             # after one step at least: a guess by another order of the basis would be returned as it is
-            if (size < SETTLED and before < np.inf) or (size > before / 2 and size < self._borne):
+            if (size < self._settled and before < np.inf) or (size > before / 2 and size < self._borne):
                 return now.state, y
             closed += bracket.closed(self._edges(y, load), now.amplitudes)
             if closed > LAST:
