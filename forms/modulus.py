@@ -20,7 +20,7 @@ from .depth_map import DepthMap
 class Modulus(Protocol):
     """What the forms and the mesh ask of E(y), a frozen dataclass. ``thickness``: depth below which E is constant.
 
-    parameters: names of the fields that are numbers, or UFL constants in their place.
+    parameters: names of the fields that are numbers or tuples of them, or UFL constants in their place.
     """
 
     parameters: ClassVar[tuple[str, ...]]
@@ -28,6 +28,10 @@ class Modulus(Protocol):
     @property
     def thickness(self) -> Any:
         """Depth."""
+
+    @property
+    def kinks(self) -> tuple:
+        """Depths at which E has another slope above than below."""
 
     @property
     def k(self) -> Any:
@@ -56,8 +60,13 @@ class Modulus(Protocol):
 
 def with_parameters(modulus, make: Callable[[float], Expr]):
     """The same modulus with ``make(value)`` in place of every finite one of its ``parameters``."""
-    values = {name: getattr(modulus, name) for name in modulus.parameters}
-    return replace(modulus, **{name: make(value) for name, value in values.items() if isfinite(value)})
+
+    def made(value):
+        if isinstance(value, tuple):
+            return tuple(map(made, value))
+        return make(value) if isfinite(value) else value
+
+    return replace(modulus, **{name: made(getattr(modulus, name)) for name in modulus.parameters})
 
 
 @dataclass(frozen=True)
@@ -82,6 +91,11 @@ class PowerLaw:
     def is_singular(self) -> bool:
         """True where E is infinite on the surface."""
         return self.sign < 0
+
+    @property
+    def kinks(self):
+        """The end of the power law."""
+        return (self.thickness,)
 
     def young(self, y):
         """Young's modulus at depth ``y``; constant for k = 0."""
@@ -128,12 +142,59 @@ class Coating:
     is_singular: ClassVar = False
     parameters: ClassVar[tuple[str, ...]] = ("E0", "substrate", "thickness")
 
+    @property
+    def kinks(self):
+        """The end of the coating."""
+        return (self.thickness,)
+
     def young(self, y):
         """Young's modulus at depth ``y``."""
         share = up_to(self.thickness, y) / self.thickness
         if self.exponential:
             return self.E0 * (self.substrate / self.E0) ** share
         return self.E0 + (self.substrate - self.E0) * share
+
+    def depth_map(self) -> DepthMap:
+        """The depth itself: E is finite on the surface."""
+        return DepthMap()
+
+    def surface_moduli(self, h, depth: DepthMap):
+        """E on the surface, twice."""
+        return self.E0, self.E0
+
+
+@dataclass(frozen=True)
+class Tabulated:
+    """E linear between ``values`` at ``depths``, of which the first is 0; constant below the last."""
+
+    depths: tuple
+    values: tuple
+    k: ClassVar = 0.0
+    is_singular: ClassVar = False
+    parameters: ClassVar[tuple[str, ...]] = ("depths", "values")
+
+    @property
+    def thickness(self):
+        """The last depth."""
+        return self.depths[-1]
+
+    @property
+    def kinks(self):
+        """All depths below the surface."""
+        return self.depths[1:]
+
+    @property
+    def E0(self):
+        """E on the surface."""
+        return self.values[0]
+
+    def young(self, y):
+        """Young's modulus at depth ``y``."""
+        E = self.E0
+        for i in range(1, len(self.depths)):
+            (top, bottom), (above, below) = self.depths[i - 1 : i + 1], self.values[i - 1 : i + 1]
+            E = E + (below - above) / (bottom - top) * (up_to(bottom, y) - up_to(top, y))
+        return E
 
     def depth_map(self) -> DepthMap:
         """The depth itself: E is finite on the surface."""

@@ -96,5 +96,5 @@ def _layers(body, a, factor, coupling):
         return kernels
 
     has_kinks = bool(kinks.any())
-    longest = min(LONGEST * body.depth / a, LONGEST_WITH_KINKS if has_kinks else inf)
+    longest = min(LONGEST * body.first_layer / a, LONGEST_WITH_KINKS if has_kinks else inf)
     return {"regular": regular, "kinks": kinks if has_kinks else None, "longest": longest}

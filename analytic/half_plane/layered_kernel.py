@@ -33,7 +33,7 @@ CUTOFF = 1e-13  # of the singular values: smaller ones only make strong sources 
 SHALLOWEST = 2.0
 LARGEST_MISFIT, LARGEST_AT_SURFACE = 1e-5, 0.02
 TABLE = 1600  # points of the tabulated smooth part
-SHORT = 1e3 * 2.0 ** np.arange(4)  # wavenumbers, times the depth, from which the compliance is continued to infinity
+SHORT = 1e3 * 2.0 ** np.arange(4)  # wavenumbers, times the first layer, from which C is continued to infinity
 LEAST_KINK = 1e-4  # change of E by its slope over the depth, over E; rounding is below
 
 
@@ -85,7 +85,8 @@ class LayeredKernel:
 
     modulus: E(y) [stress] of arrays y; surface: GradedHalfPlane of its behaviour at the surface, with
     the Poisson's ratio of the whole; depth: [length]; smallest: distance [length] below which the power law is
-    all that matters, a small part of the contact; largest: greatest distance that will be asked for [length].
+    all that matters, a small part of the contact; largest: greatest distance that will be asked for [length]; nearest:
+    least depth where E is not smooth [length], None for ``depth``.
     """
 
     modulus: Callable
@@ -93,6 +94,12 @@ class LayeredKernel:
     depth: float
     smallest: float
     largest: float
+    nearest: float | None = None
+
+    @property
+    def first_layer(self):
+        """Depth down to which E is smooth [length]."""
+        return self.depth if self.nearest is None else self.nearest
 
     @property
     def k(self):
@@ -117,17 +124,17 @@ class LayeredKernel:
     @cached_property
     def kinks(self):
         """Factors (3,) of |x| in N and T and of x ln|x| in D, not zero where k = 0 and E has a slope at the surface."""
-        if self.k or np.isinf(self.depth):
+        if self.k or np.isinf(self.first_layer):
             return np.zeros(3)
-        omega = SHORT / self.depth
+        omega = SHORT / self.first_layer
         power, whole = self._decay(omega)
         rest = np.linalg.solve(omega[:, None] ** -np.arange(len(omega)), omega[:, None] * (whole - power))[0]
-        is_smooth = np.abs(rest).max() * self.depth < LEAST_KINK * power[0, 0]
+        is_smooth = np.abs(rest).max() * self.first_layer < LEAST_KINK * power[0, 0]
         return np.zeros(3) if is_smooth else rest * [-1 / 2, -1 / 2, 1 / np.pi]
 
     def _of_kinks(self, omega):
         """ω ΔC of the ``kinks`` for waves shorter than the depth, for longer ones it fades: columns N, T, Im C_xy."""
-        return self.kinks * [-2, -2, np.pi] * (-np.expm1(-omega * self.depth) / omega)[:, None]
+        return self.kinks * [-2, -2, np.pi] * (-np.expm1(-omega * self.first_layer) / omega)[:, None]
 
     @cached_property
     def _sources(self):
@@ -185,7 +192,7 @@ class LayeredKernel:
         odd = -(np.arctan2(x, h) @ strength[:, 2] + x[:, 0] * slope[2]) / np.pi
         regular = np.column_stack([even, odd])
         if self.kinks.any():  # what ``_of_kinks`` has beside them
-            x, h = x[:, 0], self.depth
+            x, h = x[:, 0], self.first_layer
             of_even = 2 / np.pi * (h / 2 * np.log1p((x / h) ** 2) - x * np.arctan(x / h))
             of_odd = -(x / 2 * np.log(x**2 + h**2) + h * np.arctan(x / h))
             regular += self.kinks * np.column_stack([of_even, of_even, of_odd])

@@ -5,6 +5,7 @@ tensor product of quadrilaterals, because on symmetric columns the nodal contact
 (by an order of magnitude, measured) than on triangles of the same number of unknowns.
 """
 
+from collections.abc import Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 
@@ -124,8 +125,8 @@ def _placed(edges, first: int, at: float, columns: int) -> np.ndarray:
     return np.interp(np.arange(columns + 1.0), before, after)
 
 
-def layers(grading: Grading, depth: DepthMap, kink: float = np.inf) -> np.ndarray:
-    """Mesh depths (n,) of the layers, from the surface to ``extent``, one of them at the depth ``kink`` of E(y).
+def layers(grading: Grading, depth: DepthMap, kinks: Sequence[float] = ()) -> np.ndarray:
+    """Mesh depths (n,) of the layers, from the surface to ``extent``, one of them at each depth of ``kinks`` of E(y).
 
     For k <= 0 they grow from ``first_layer`` by ``layer_growth``: y_i = r (growth^i - 1). In a mesh depth s = y^(1/m)
     the field varies on the scale (r + y)^(1/m): s_i = r^(1/m) (growth^(i/m) - 1). All are scaled to end at ``extent``.
@@ -136,8 +137,14 @@ def layers(grading: Grading, depth: DepthMap, kink: float = np.inf) -> np.ndarra
     n = int(np.ceil(np.log1p(bottom / start) / np.log(growth)))
     s = np.expm1(np.arange(n + 1) * np.log(growth))
     s *= bottom / s[-1]
-    if kink < grading.extent:
-        s[1 + np.argmin(np.abs(s[1:-1] - depth.s(kink)))] = depth.s(kink)
+    placed: list[float] = []
+    for at in (depth.s(kink) for kink in kinks if kink < grading.extent):
+        nearest = 1 + np.argmin(np.abs(s[1:-1] - at))
+        if s[nearest] in placed:
+            s = np.sort(np.append(s, at))
+        else:
+            s[nearest] = at
+        placed.append(at)
     return s
 
 

@@ -7,7 +7,6 @@ stick after every load step are known, and the mesh has a place for each. The re
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
-from math import log
 
 import numpy as np
 
@@ -19,12 +18,13 @@ from ..loading.schedule import LoadStep
 from ..scene import Scene
 from ..scene.effects import Effects
 from ..scene.scaling import Scaled
-from ..scene.tables import ExponentialCoating, PowerLawCoating
+from ..scene.solid import modulus_at
+from ..scene.tables import Tabulated
 from .expected_edges import FINER_WITH_COUPLING, MERGED, TURNED, ExpectedEdges, several, share_of_limit, stops_at
 
 LOWEST, HIGHEST = -0.9, 0.9  # k for which docs/accuracy.md has what both orders of the basis differ by
 THINNEST = 0.05  # coating over the half-width of contact: edges are known to 5e-6 a there, with 0.02 to 1.4e-4 a
-STEEPEST = 6.0  # slope of E at the surface over E, times the half-width: q is known to 7e-4 there
+STEEPEST, NEAR = 6.0, 1e-6  # slope of E at the surface over E, times the half-width: q is known to 7e-4 there
 STEEP = -0.5  # k below which pressure zigzags where its edge has no place in a facet: by 15 % at k = -0.6
 # by degree: smaller facets at edges, over a, gain from better edges; for k < STEEP those of degree 1 at any degree,
 # as on larger ones the energy of a load step is known to 1.2e-6 only (k = -0.9)
@@ -47,11 +47,9 @@ def serves(scene: Scene, effects: Effects) -> bool:
 def _is_mild(scene):
     """Whether a coating changes so little over the half-width of contact that polynomials carry what it adds to u_y."""
     solid, a = scene.material, scene.half_width
-    slope = 0.0
-    if not isinstance(solid, PowerLawCoating):
-        ratio = solid.E_substrate / solid.E0
-        slope = (log(ratio) if isinstance(solid, ExponentialCoating) else ratio - 1) / solid.thickness
-    return solid.thickness >= THINNEST * a and abs(slope) * a <= STEEPEST
+    top = solid.points[1][0] if isinstance(solid, Tabulated) else solid.thickness
+    steepness = 0.0 if scene.k else (modulus_at(solid, NEAR * top) / solid.E0 - 1) * a / (NEAR * top)
+    return top >= THINNEST * a and abs(steepness) <= STEEPEST
 
 
 def loop_of(scaled: Scaled, mu: float, effects: Effects | tuple[str, ...], order: int = ORDER) -> CoupledLoop:

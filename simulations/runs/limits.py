@@ -13,7 +13,7 @@ from ..fem.mesh import Grading
 from ..loading.schedule import LoadStep
 from ..scene import Scene, SceneError, rounded, shown
 from ..scene.output import NORMAL
-from ..scene.tables import ExponentialCoating, LinearCoating, PowerLawCoating
+from ..scene.tables import ExponentialCoating, LinearCoating, PowerLawCoating, Tabulated
 from ..solvers.newton import ATTAINABLE, FORCE_TOLERANCE, OVER_ROUND_OFF
 
 MOST_UNKNOWNS = 1_000_000  # some minutes, and 3 GB in the factorisation
@@ -162,7 +162,8 @@ def check_round_off(scene: Scene, cells: Grading, problem: ContactProblem):
         thickness = getattr(scene.material, "thickness", inf)
         if thickness < cells.first_layer * scene.half_width:  # the first layer ends where the coating does
             would = f"{rounded(factor * thickness, up=True):g} m or more would do, or the substrate without coating"
-            raise SceneError(f"solid.thickness = {thickness:.3g} m is too thin for cells of its own: {left}; {would}")
+            key = "solid.thickness" if "thickness" in scene.solid.given() else "the last depth of solid.points"
+            raise SceneError(f"{key} = {thickness:.3g} m is too thin for cells of its own: {left}; {would}")
         thicker = cells.first_layer * factor
         thicker = rounded(thicker * cells.layer_growth, up=True)  # fitted layers may be lower by this
         would = f"{thicker:g} or more would do"
@@ -202,4 +203,6 @@ def coating_keys(scene: Scene) -> str:
     if isinstance(solid, (LinearCoating, ExponentialCoating)):
         ratio = solid.E_substrate / solid.E0
         return f"solid.thickness = {solid.thickness:.3g} m and solid.E_substrate = {ratio:.3g} solid.E0"
+    if isinstance(solid, Tabulated):
+        return f"solid.points down to {solid.thickness:.3g} m"
     return ""

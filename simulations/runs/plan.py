@@ -3,6 +3,8 @@
 from dataclasses import astuple, replace
 from functools import cached_property
 
+import numpy as np
+
 from analytic import PowerProfile, PressingWithFriction, StretchedLoop
 
 from ..fem.edge_place import best_place, vanishing_place
@@ -67,7 +69,7 @@ class Plan:
         scene, law, mu = self.scene, self.scaled.modulus, self.mu or 1.0
         if scene.indenter.profile != "parabola" or self.effects.works(scene, self.scaled.scales):
             return None
-        numbers = [*astuple(law), scene.solid.nu]  # type: ignore[call-overload]
+        numbers = [*np.hstack(astuple(law)), scene.solid.nu]  # type: ignore[call-overload]
         for step in self.schedule:
             numbers += [step.P, step.Q / mu, step.load.strain / mu, bool(step.state)]
         if not self.effects.has_closed_form:

@@ -85,7 +85,7 @@ def grading(scene: Scene) -> Verdict:
     if not scene.effects.grading:
         return Verdict(False, "effects.grading = false", f"E = E0 = {scene.solid.E0:g} Pa everywhere")
     kind, k = scene.solid.modulus, scene.k
-    if kind in ("exponential", "linear"):
+    if kind in ("exponential", "linear", "tabulated"):
         return Verdict(True, f"{kind} coating", "E varies down to its thickness, layers in y")
     if k == 0:
         return Verdict(False, "k = 0" if kind != "homogeneous" else kind, "constant modulus, mesh in depth y")

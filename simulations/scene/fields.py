@@ -133,6 +133,12 @@ Points = Annotated[
     Unit("N/m"),
     ListOf("a list of pairs [P, Q] of numbers, P > 0", _row_of(2)),
 ]
+Moduli = Annotated[
+    tuple[tuple[float, float], ...],
+    BeforeValidator(rows(2, lambda y, E: y >= 0 and E > 0, least=2)),
+    Unit("m, Pa"),
+    ListOf("a list of two or more pairs [y, E] of numbers, y ≥ 0, E > 0", _row_of(2), 2),
+]
 Places = Annotated[
     tuple[tuple[float, float], ...],
     BeforeValidator(rows(2, lambda x, y: y >= 0)),

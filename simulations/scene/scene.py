@@ -155,8 +155,8 @@ class Scene(BaseModel):
             return 0.0
         if load.bulk_stress is None:
             return load.bulk_strain or 0.0
-        depth, E0 = load.bulk_depth, self.material.E0
-        if depth is None and (self.k != 0 or getattr(self.material, "E_substrate", E0) != E0):
+        depth = load.bulk_depth
+        if depth is None and not solids.is_constant(self.material):
             raise SceneError("load.bulk_depth is missing: the depth at which load.bulk_stress acts, a number > 0")
         return load.bulk_stress * (1 - self.solid.nu**2) / solids.modulus_at(self.material, depth or 1.0)
 

@@ -9,7 +9,7 @@ from analytic import GradedHalfPlane, LayeredKernel, normal_contact
 from forms import modulus as forms
 
 from .indenter import Shape
-from .tables import AnySolid, ExponentialCoating, Homogeneous, PowerLaw, PowerLawCoating
+from .tables import AnySolid, ExponentialCoating, Homogeneous, PowerLaw, PowerLawCoating, Tabulated
 
 KERNEL_FROM, KERNEL_TO = 1e-4, 8.0  # distances, over the half-width, between which a kernel is wanted
 
@@ -22,6 +22,12 @@ def is_power_law(solid: AnySolid) -> bool:
 def is_decoupled(solid: AnySolid) -> bool:
     """True for a power law at the Holl ratio, where normal and tangential problem do not see each other."""
     return is_power_law(solid) and abs(solid.nu * (2.0 + getattr(solid, "k", 0.0)) - 1.0) < 1e-9
+
+
+def is_constant(solid: AnySolid) -> bool:
+    """True where E is the same at every depth."""
+    moduli = [E for _, E in solid.points] if isinstance(solid, Tabulated) else [getattr(solid, "E_substrate", solid.E0)]
+    return getattr(solid, "k", 0.0) == 0 and all(E == solid.E0 for E in moduli)
 
 
 def half_plane(solid: AnySolid) -> GradedHalfPlane:
@@ -60,6 +66,8 @@ def modulus(solid: AnySolid, length: float, stress: float) -> forms.Modulus:
     E0 = solid.E0 / stress
     if isinstance(solid, Homogeneous) or (isinstance(solid, PowerLaw) and solid.k == 0):
         return forms.PowerLaw.of(0.0, E0)
+    if isinstance(solid, Tabulated):
+        return forms.Tabulated(*zip(*((y / length, E / stress) for y, E in solid.points), strict=True))
     thickness = inf if isinstance(solid, PowerLaw) else _resolved(solid.thickness) / length
     if isinstance(solid, (PowerLaw, PowerLawCoating)):
         return forms.PowerLaw.of(solid.k, E0 * (length / _resolved(solid.y0)) ** solid.k, thickness)
@@ -76,4 +84,5 @@ def _resolved(length: float | None) -> float:
 
 def layered_kernel(law: forms.Modulus, solid: GradedHalfPlane) -> LayeredKernel:
     """What the half-plane solver takes for a coated solid, in scaled units; ``solid`` is that of the surface."""
-    return LayeredKernel(law.young, solid, law.thickness, KERNEL_FROM * min(1.0, law.thickness), KERNEL_TO)
+    nearest = law.kinks[0]
+    return LayeredKernel(law.young, solid, law.thickness, KERNEL_FROM * min(1.0, nearest), KERNEL_TO, nearest)

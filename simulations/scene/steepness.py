@@ -5,7 +5,7 @@ A contact too wide for its indenter is what shows of a wrong unit before a run.
 
 from .errors import SceneError, shown
 from .indenter import shape_of
-from .tables import AnyIndenter, AnyLoad, AnySolid, Formula, Path
+from .tables import AnyIndenter, AnyLoad, AnySolid, Formula, Path, Tabulated
 
 SMALL = 0.2  # a parabola is lower than its circle by f'(a)²/4 of itself: here 1 %
 SOLID = {"E0": "Pa", "E_substrate": "Pa", "k": "", "y0": "m", "thickness": "m"}  # keys with units
@@ -36,8 +36,9 @@ def edge_slope(a: float, indenter: AnyIndenter) -> float:
 def look_at(solid: AnySolid, indenter: AnyIndenter, load: AnyLoad) -> str:
     """The keys that make a contact wide, with value and unit: what to look at where it is too wide."""
     P = f"load.points, P up to {load.P:g} N/m" if isinstance(load, Path) else f"load.P = {load.P:g} N/m"
-    given = [(f"solid.{name}", getattr(solid, name, None), unit) for name, unit in SOLID.items()]
+    given = [(f"solid.{name}", solid.given().get(name), unit) for name, unit in SOLID.items()]
     keys = [f"{key} = {value:.3g} {unit}".rstrip() for key, value, unit in given if value is not None]
+    keys += ["solid.points"] * isinstance(solid, Tabulated)
     return f"look at {', '.join(keys)}, {P}, {_size(indenter)}"
 
 

@@ -1,5 +1,6 @@
 """The physics of a scene: solid, indenter and load, one frozen model for each kind."""
 
+from itertools import pairwise
 from math import inf
 from typing import Annotated, ClassVar, Literal
 
@@ -8,7 +9,7 @@ from pydantic import Field, model_validator
 from analytic import GradedHalfPlane
 
 from .errors import SceneError, shown
-from .fields import FormulaText, Integer, Length, LineLoad, Number, Points, Ratio, Stress, Unit, Word, allowed
+from .fields import FormulaText, Integer, Length, LineLoad, Moduli, Number, Points, Ratio, Stress, Unit, Word, allowed
 from .table import Table, register
 
 Exponent = Annotated[Number, Unit("–"), Field(gt=-1, lt=1, description="exponent of E = E0 (y/y0)^k")]
@@ -115,6 +116,37 @@ class ExponentialCoating(Solid):
     nu: PoissonRatio
     thickness: Thickness = None
     thickness_over_a0: ThicknessRatio = None
+
+
+class Tabulated(Solid):
+    """E linear between points, constant below the last."""
+
+    modulus: Literal["tabulated"] = "tabulated"
+    points: Moduli = Field(description="depth and modulus, linear in between, constant below the last; from depth 0 on")
+    nu: PoissonRatio
+
+    @property
+    def E0(self) -> float:
+        """E on the surface, Pa."""
+        return self.points[0][1]
+
+    @property
+    def E_substrate(self) -> float:
+        """E below the last point, Pa."""
+        return self.points[-1][1]
+
+    @property
+    def thickness(self) -> float:
+        """Depth of the last point, m."""
+        return self.points[-1][0]
+
+    @model_validator(mode="after")
+    def _downwards(self):
+        depths = [y for y, _ in self.points]
+        if depths[0] != 0 or any(below <= above for above, below in pairwise(depths)):
+            given = shown([list(point) for point in self.points])
+            raise SceneError(f"solid.points = {given} is not allowed: depths grow from 0 on")
+        return self
 
 
 class Indenter(Table):
@@ -248,11 +280,11 @@ class Path(Load):
         return self
 
 
-AnySolid = PowerLaw | Homogeneous | PowerLawCoating | LinearCoating | ExponentialCoating
+AnySolid = PowerLaw | Homogeneous | PowerLawCoating | LinearCoating | ExponentialCoating | Tabulated
 AnyIndenter = Parabola | Circle | Power | RoundedFlat | Formula
 AnyLoad = Fretting | Indentation | Path
 BULK = ("bulk_strain", "bulk_stress", "bulk_depth", "bulk_phase")
 TANGENTIAL = ("mu", "amplitude", "cycles", *BULK)  # keys of a load with friction
-register(PowerLaw, Homogeneous, PowerLawCoating, LinearCoating, ExponentialCoating)
+register(PowerLaw, Homogeneous, PowerLawCoating, LinearCoating, ExponentialCoating, Tabulated)
 register(Parabola, Circle, Power, RoundedFlat, Formula)
 register(Fretting, Indentation, Path)

@@ -43,8 +43,15 @@ def test_edges_are_placed_in_their_facets(at):
 
 @pytest.mark.parametrize("depth", [DepthMap(), DepthMap(1 / 0.7, False)], ids=["y", "s"])
 def test_a_layer_begins_where_the_modulus_has_a_kink(depth):
-    y = depth.y(layers(Grading(edges=(-1.0, 1.0)), depth, 0.37))
+    y = depth.y(layers(Grading(edges=(-1.0, 1.0)), depth, [0.37]))
     assert np.abs(y - 0.37).min() < 1e-12 and np.all(np.diff(y) > 0)
+
+
+def test_every_kink_of_a_table_has_a_layer_those_in_one_cell_too():
+    kinks = [0.3, 0.37, 0.3701, 5.0, 1e9]
+    y = layers(Grading(edges=(-1.0, 1.0)), DepthMap(), kinks)
+    assert np.isin(kinks[:-1], y).all() and np.all(np.diff(y) > 0)
+    assert len(y) <= len(layers(Grading(edges=(-1.0, 1.0)), DepthMap())) + 1
 
 
 def test_facets_beside_many_stops_are_the_least_of_all_their_cones():

@@ -5,7 +5,7 @@ import pytest
 import ufl
 from scipy.integrate import quad
 
-from forms.modulus import Coating, PowerLaw, with_parameters
+from forms.modulus import Coating, PowerLaw, Tabulated, with_parameters
 
 MODULI = [
     PowerLaw.of(0.0, 2.0),
@@ -15,6 +15,7 @@ MODULI = [
     Coating(3.0, 1.0, 0.5),
     Coating(3.0, 1.0, 0.5, exponential=True),
     Coating(2.0, 2.0, 0.5, exponential=True),
+    Tabulated((0.0, 0.1, 0.5), (3.0, 1.0, 2.0)),
 ]
 
 
@@ -33,6 +34,13 @@ def test_coatings_between_surface_and_substrate():
     assert Coating(4.0, 1.0, 0.5, exponential=True).young(y) == pytest.approx([4.0, 2.0, 1.0, 1.0])
 
 
+def test_a_table_is_linear_between_its_points():
+    table = Tabulated((0.0, 0.1, 0.5), (3.0, 1.0, 2.0))
+    y = np.linspace(0.0, 0.7, 29)
+    assert table.young(y) == pytest.approx(np.interp(y, table.depths, table.values), rel=1e-14)
+    assert (table.E0, table.thickness, table.kinks) == (3.0, 0.5, (0.1, 0.5))
+
+
 @pytest.mark.parametrize("modulus", MODULI[:3], ids=str)
 def test_surface_moduli(modulus):
     """Along the surface the mean of E over the mesh depth of the cell, into the body E/(dy/ds), for k < 0 its mean."""
@@ -49,8 +57,8 @@ def test_parameters(modulus):
     """Every finite number becomes what is made of it; what decides which terms there are stays."""
     made = with_parameters(modulus, lambda value: -value)
     for name, value in vars(modulus).items():
-        replaced = name in modulus.parameters and np.isfinite(value)
-        assert getattr(made, name) == (-value if replaced else value), name
+        replaced = name in modulus.parameters and np.all(np.isfinite(value))
+        assert np.array_equal(getattr(made, name), -np.array(value) if replaced else value), name
     assert set(modulus.parameters) == set(vars(modulus)) - {"sign", "exponential"}
 
 

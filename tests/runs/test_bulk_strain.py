@@ -173,12 +173,18 @@ def test_stress_instead_of_strain():
     assert scene.bulk_strain == pytest.approx(1e8 * (1 - 0.3**2) / E)
 
 
-def test_stress_in_a_coating_needs_its_depth():
-    solid = {"modulus": "linear", "E0": 100e9, "E_substrate": 200e9, "thickness": 1e-3, "nu": 0.3}
+LINEAR = {"modulus": "linear", "E0": 100e9, "E_substrate": 200e9, "thickness": 1e-3, "nu": 0.3}
+POINTS = [[0.0, 200e9], [1e-3, 200e9], [2e-3, 100e9], [3e-3, 200e9]]
+TABLE = {"modulus": "tabulated", "points": POINTS, "nu": 0.3, "E0": None}
+
+
+@pytest.mark.parametrize("solid", [LINEAR, LINEAR | {"E0": 200e9, "E_substrate": 100e9, "thickness": 1e-6}, TABLE])
+def test_stress_in_a_coating_needs_its_depth(solid):
     changes = {"solid": solid | {"k": None, "y0_over_a0": None}, "load.bulk_stress": 1e8}
     with pytest.raises(SceneError, match="load.bulk_depth is missing: the depth .*, a number > 0"):
         make_scene(changes)
-    assert make_scene(changes | {"load.bulk_depth": 1e-3}).bulk_strain == pytest.approx(1e8 * 0.91 / 200e9)
+    E = solid.get("E_substrate", 200e9)
+    assert make_scene(changes | {"load.bulk_depth": 1e-3}).bulk_strain == pytest.approx(1e8 * 0.91 / E)
 
 
 def test_stress_far_from_the_contact_in_the_files(tmp_path):

@@ -1,5 +1,6 @@
 """Graded coatings on a homogeneous substrate, against the half-plane solver with the kernel of the same coating."""
 
+import numpy as np
 import pytest
 from solving import solved
 
@@ -20,6 +21,18 @@ E0 = 210e9
 nu = 0.3
 {more}
 thickness_over_a0 = {thickness}
+[indenter]
+R = 0.1
+[load]
+P = 1.0e6
+mu = 0.3
+amplitude = 0.9
+"""
+TABLE = """
+[solid]
+modulus = "tabulated"
+points = [[0.0, 210e9], [1e-3, 70e9]]
+nu = 0.3
 [indenter]
 R = 0.1
 [load]
@@ -84,6 +97,38 @@ def test_coatings_without_load_steps(modulus, more, thickness, expected):
     assert serves(scene, Effects(scene)) is expected
     pressed = make_scene({"effects.friction_in_normal_stage": True}, text)
     assert not serves(pressed, Effects(pressed))
+
+
+def test_a_table_of_two_points_is_a_linear_coating():
+    line = make_scene(base=SCENE.format(modulus="linear", more="E_substrate = 70e9", thickness=1.0))
+    points = [[0.0, 210e9], [line.solid.thickness, 70e9]]
+    table = make_scene({"solid.points": points}, TABLE)
+    assert table.half_width == pytest.approx(line.half_width, rel=1e-12)
+    assert "grading" in Effects(table)
+    one, other = (solved(scene, **MEDIUM).history.entries for scene in (line.to_toml(), table.to_toml()))
+    for entry, expected in zip(one, other, strict=True):
+        assert (*entry.contact, *entry.stick) == pytest.approx((*expected.contact, *expected.stick), abs=1e-7)
+
+
+@pytest.mark.slow
+def test_a_table_has_the_reference_of_its_own_modulus():
+    """Close to an exponential coating, each beside its own reference; the contact on both differs by what the table's
+    six points leave."""
+    base = make_scene(base=SCENE.format(modulus="exponential", more="E_substrate = 400e9", thickness=1.0))
+    h = base.solid.thickness
+    points = [[float(share * h), float(210e9 * (400 / 210) ** share)] for share in np.linspace(0, 1, 6)]
+    table = solved(make_scene({"solid.points": points}, TABLE).to_toml(), **MEDIUM)
+    reference = of_same_physics(table)
+    assert isinstance(reference, StepFree) and not reference.open
+    found = compare_all(table.history, reference)
+    for name, limit in {"pressure_l2": 1e-3, "traction_l2": 5e-3, "slip_l2": 1e-3}.items():
+        assert found.worst[name] < limit, (name, found.worst[name])
+    assert max(found.own.values()) < 3e-4
+    exponential = solved(base.to_toml(), **MEDIUM).history
+    scale = table.scaled.scales.length / base.half_width
+    for entry, other in zip(table.history.entries, exponential.entries, strict=True):
+        assert entry.a * scale == pytest.approx(other.a, rel=2e-3)
+        assert entry.a * scale != pytest.approx(other.a, rel=1e-5)
 
 
 def test_a_thick_coating_is_the_power_law():

@@ -250,7 +250,9 @@ def test_friction_follows_from_the_scene():
 
 
 # Their references are tested where their effects are, and take longer than the runs.
-UNREFERENCED = {"coating", "formula", "linear_coating", "locked_in", "negative_grading", "path", "rounded_flat"}
+UNREFERENCED = {
+    "coating", "formula", "linear_coating", "locked_in", "measured_modulus", "negative_grading", "path", "rounded_flat"
+}
 
 
 @pytest.mark.parametrize("scene", sorted((ROOT / "scenes").glob("*.toml")), ids=lambda path: path.stem)

@@ -12,6 +12,7 @@ from simulations import fretting
 from simulations.scene import DEFAULT_SCENE, SceneError
 
 SOLID = "[solid]\nE0 = 2e11\nk = 0.3\nnu = 0.3\ny0 = 0.01\n[indenter]\nR = 0.1\n"
+TABLE = '[solid]\nmodulus = "tabulated"\npoints = {}\nnu = 0.3\n[indenter]\nR = 0.1\n[load]\nP = 1e6\n'
 SCENES: dict[str, str | bytes] = {
     "empty.toml": "",
     "spaces.toml": " \n\n",
@@ -27,6 +28,10 @@ SCENES: dict[str, str | bytes] = {
     "digits.toml": "load.P = " + "1" * 5000,
     "no_solid.toml": "[indenter]\nR = 0.1\n[load]\nP = 1e6\n",
     "no_load.toml": SOLID,
+    "table_rises.toml": TABLE.format("[[0.0, 2e11], [2e-3, 1e11], [1e-3, 3e11]]"),
+    "table_deep.toml": TABLE.format("[[1e-3, 2e11], [2e-3, 1e11]]"),
+    "table_short.toml": TABLE.format("[[0.0, 2e11]]"),
+    "table_soft.toml": TABLE.format("[[0.0, 2e11], [1e-3, 0.0]]"),
     "points_without_mu.toml": SOLID + "[load]\npoints = [[1e6, 0], [1e6, 1e5]]\n",
     "points_and_P.toml": SOLID + "[load]\nP = 1e6\nmu = 0.3\npoints = [[1e6, 0]]\n",
     "points_slide.toml": SOLID + "[load]\nmu = 0.3\npoints = [[1e6, 0], [1e6, 3e5]]\n",
@@ -151,6 +156,10 @@ REFUSED: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
         ("both_y0.toml",),
         ("solid.y0 = 1 and solid.y0_over_a0 = 10 are not allowed together: one of them is to be given",),
     ),
+    "table that rises": (("table_rises.toml",), ("solid.points", "depths grow from 0 on")),
+    "table from a depth on": (("table_deep.toml",), ("solid.points", "depths grow from 0 on")),
+    "table of one point": (("table_short.toml",), ("solid.points", "two or more pairs [y, E]")),
+    "table without stiffness": (("table_soft.toml",), ("solid.points", "E > 0")),
     "points and P": (("points_and_P.toml",), ("load.P", "beside load.points")),
     "bulk strain without friction": (
         by_set("load.bulk_strain=1e-4", "effects.friction=false"),

@@ -11,7 +11,8 @@ from simulations.scene.text import written
 
 QUICK = settings(max_examples=150, deadline=5000, suppress_health_check=list(HealthCheck))
 KEYS = sorted(language())
-WORDS = ["holl", "auto", "power law", "homogeneous", "power-law coating", "linear", "exponential", "parabola", "circle"]
+KINDS = ["power law", "homogeneous", "power-law coating", "linear", "exponential", "tabulated", "parabola", "circle"]
+WORDS = ["holl", "auto", *KINDS]
 WORDS += ["power", "rounded flat", "formula", "x**2", "x**4/R**3", "cosh(x/R) - 1", "x +", "full", "none", "half-plane"]
 numbers = st.one_of(
     st.floats(),

@@ -23,6 +23,7 @@ from simulations.scene.tables import (
     Power,
     PowerLaw,
     PowerLawCoating,
+    Tabulated,
 )
 
 SOLID = PowerLaw(E0=210e9, k=0.3, nu="holl", y0_over_a0=10)
@@ -67,6 +68,7 @@ def test_resolved_and_sent_it_is_the_same(path):
     [
         ("coating", (PowerLawCoating, Parabola, Fretting)),
         ("linear_coating", (LinearCoating, Parabola, Fretting)),
+        ("measured_modulus", (Tabulated, Parabola, Fretting)),
         ("path", (Homogeneous, Parabola, Path)),
         ("indentation", (PowerLaw, Parabola, Indentation)),
         ("quartic", (PowerLaw, Power, Fretting)),
