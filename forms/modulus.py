@@ -190,6 +190,8 @@ class Tabulated:
 
     def young(self, y):
         """Young's modulus at depth ``y``."""
+        if not isinstance(y, Expr):
+            return np.interp(y, self.depths, self.values)
         E = self.E0
         for i in range(1, len(self.depths)):
             (top, bottom), (above, below) = self.depths[i - 1 : i + 1], self.values[i - 1 : i + 1]

@@ -41,7 +41,7 @@ def displaced_by_kinks(contact, rule, x, on_rule, limits, alpha, beta, Q):
     O*r, and from R*p: in contact b R*p = constant - height + d O*q, and P = 1 tells its mean over Chebyshev points.
     """
     problem, friction, half, terms = contact.problem, contact.friction, contact.half, contact.problem.terms
-    t, centred = contact.local(x)[0], (x - contact.middle)[:, None]
+    s, centred = contact.local(x)[0], (x - contact.middle)[:, None]
     signs, points = rule.sign(x), np.append(x, [contact.x_l, contact.x_r])
     # O*p, and the integrals of O*p, O*r and R*r over x
     odd_p, integral_p = signs @ on_rule, signs * (x[:, None] - rule.x) @ on_rule
@@ -57,13 +57,13 @@ def displaced_by_kinks(contact, rule, x, on_rule, limits, alpha, beta, Q):
         odd_p[:, columns] += alpha * odd + beta_pi * (even_at_edges - even)
         integral_p[:, columns] += alpha * z_odd + beta_pi * (centred * even_at_edges - z_even - whole)
     odd_q, integral_q = friction * odd_p - odd_r, friction * integral_p - integral_r
-    height = Chebyshev.interpolate(lambda t: problem.height(contact.middle + half * t), problem.degree)
+    height = Chebyshev.interpolate(lambda s: problem.height(contact.middle + half * s), problem.degree)
     constant = -problem.d * odd_q[-terms:].mean(axis=0)
-    constant[-1] += problem.bk * np.log(2 / half) + height(t[-terms:]).mean()
+    constant[-1] += problem.bk * np.log(2 / half) + height(s[-terms:]).mean()
     constant[-1 - terms] += 1.0
     integral_even_p = problem.d * integral_q + centred * constant
-    integral_even_p[:, -1] -= half * height.integ()(t)
-    integral_even_p[:, -1 - terms : -1] -= half * (chebvander(t, terms) @ chebint(np.eye(terms)))
+    integral_even_p[:, -1] -= half * height.integ()(s)
+    integral_even_p[:, -1 - terms : -1] -= half * (chebvander(s, terms) @ chebint(np.eye(terms)))
     integral_even_p /= problem.bk
     n, t, d = problem.kinks
     u_x = t * integral_q - d * integral_even_p

@@ -34,7 +34,7 @@ SHALLOWEST = 2.0
 LARGEST_MISFIT, LARGEST_AT_SURFACE = 1e-5, 0.02
 TABLE = 1600  # points of the tabulated smooth part
 SHORT = 1e3 * 2.0 ** np.arange(4)  # wavenumbers, times the first layer, from which C is continued to infinity
-LEAST_KINK = 1e-4  # change of E by its slope over the depth, over E; rounding is below
+LEAST_KINK = 1e-4  # change of C by the slope of E over the first layer, over C; rounding is below
 
 
 def surface_compliance(modulus, nu, wavenumber, depth, surface_exponent=0.0):
@@ -133,7 +133,7 @@ class LayeredKernel:
         return np.zeros(3) if is_smooth else rest * [-1 / 2, -1 / 2, 1 / np.pi]
 
     def _of_kinks(self, omega):
-        """ω ΔC of the ``kinks`` for waves shorter than the depth, for longer ones it fades: columns N, T, Im C_xy."""
+        """ω ΔC of the ``kinks`` for waves shorter than the first layer, fading for longer ones: N, T, Im C_xy."""
         return self.kinks * [-2, -2, np.pi] * (-np.expm1(-omega * self.first_layer) / omega)[:, None]
 
     @cached_property
