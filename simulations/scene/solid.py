@@ -26,8 +26,12 @@ def is_decoupled(solid: AnySolid) -> bool:
 
 def is_constant(solid: AnySolid) -> bool:
     """True where E is the same at every depth."""
-    moduli = [E for _, E in solid.points] if isinstance(solid, Tabulated) else [getattr(solid, "E_substrate", solid.E0)]
+    moduli = _tabulated(solid) or [getattr(solid, "E_substrate", solid.E0)]
     return getattr(solid, "k", 0.0) == 0 and all(E == solid.E0 for E in moduli)
+
+
+def _tabulated(solid):
+    return [E for _, E in solid.points] if isinstance(solid, Tabulated) else []
 
 
 def half_plane(solid: AnySolid) -> GradedHalfPlane:
@@ -50,7 +54,7 @@ def equivalent_half_width(solid: AnySolid, shape: Shape, P: float) -> float:
     """Half-width a of the contact on a homogeneous half-plane whose modulus is E(a), m."""
     homogeneous = partial(homogeneous_half_width, nu=solid.nu, shape=shape, P=P)
     guess = homogeneous(solid.E0)
-    ends = [homogeneous(modulus_at(solid, y)) for y in (1e-6 * guess, 1e6 * guess)]
+    ends = [homogeneous(E) for E in _tabulated(solid) or [modulus_at(solid, y) for y in (1e-6 * guess, 1e6 * guess)]]
     low, high = min(ends) * (1 - 1e-9), max(ends) * (1 + 1e-9)
     if high - shape.flat < 1e-6 * high:
         return high

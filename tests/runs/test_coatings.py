@@ -13,6 +13,7 @@ from simulations.runs.reference import of_same_physics
 from simulations.runs.step_free import StepFree
 from simulations.scene import SceneError, make_scene
 from simulations.scene.effects import Effects
+from simulations.scene.solid import homogeneous_half_width
 
 SCENE = """
 [solid]
@@ -108,6 +109,15 @@ def test_a_table_of_two_points_is_a_linear_coating():
     one, other = (solved(scene, **MEDIUM).history.entries for scene in (line.to_toml(), table.to_toml()))
     for entry, expected in zip(one, other, strict=True):
         assert (*entry.contact, *entry.stick) == pytest.approx((*expected.contact, *expected.stick), abs=1e-7)
+
+
+def test_the_scale_of_a_table_that_goes_up_and_down():
+    """It is the half-width on a body of the modulus at this depth, which here is beyond those of both ends."""
+    points = [[0.0, 127e9], [0.4e-3, 180e9], [0.8e-3, 86e9], [1.2e-3, 90e9], [3e-3, 160e9]]
+    scene = make_scene({"solid.points": points}, TABLE)
+    a = scene.half_width
+    E = float(np.interp(a, *np.transpose(points)))
+    assert E < 127e9 and a == pytest.approx(homogeneous_half_width(E, 0.3, scene.shape, scene.P), rel=1e-5)
 
 
 @pytest.mark.slow
