@@ -24,7 +24,7 @@ from .expected_edges import FINER_WITH_COUPLING, MERGED, TURNED, ExpectedEdges, 
 
 LOWEST, HIGHEST = -0.9, 0.9  # k for which docs/accuracy.md has what both orders of the basis differ by
 THINNEST = 0.05  # coating over the half-width of contact: edges are known to 5e-6 a there, with 0.02 to 1.4e-4 a
-STEEPEST, NEAR = 6.0, 1e-6  # slope of E at the surface over E, times the half-width: q is known to 7e-4 there
+STEEPEST, NEAR = 6.0, 1e-6  # slope of E at the surface over E, times the half-width: q is known to 8e-4 there
 STEEP = -0.5  # k below which pressure zigzags where its edge has no place in a facet: by 15 % at k = -0.6
 # by degree: smaller facets at edges, over a, gain from better edges; for k < STEEP those of degree 1 at any degree,
 # as on larger ones the energy of a load step is known to 1.2e-6 only (k = -0.9)
