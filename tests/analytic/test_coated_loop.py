@@ -4,9 +4,12 @@ from functools import lru_cache
 
 import numpy as np
 import pytest
+from scipy.special import beta, betainc
 
 from analytic import ContactNotConverged, CoupledLoop, GradedHalfPlane, LayeredKernel, PowerProfile
-from analytic.coupled.rule import smooth_rule
+from analytic.coupled.pressed import NormalStage
+from analytic.coupled.rule import ContactRule, smooth_rule
+from analytic.coupled.weight import ContactInterval
 from analytic.half_plane.solver import HalfPlaneContact
 
 MU, PROFILE, Q_A = 0.3, PowerProfile(0.5, 2.0), 0.25
@@ -108,9 +111,34 @@ def test_displacements_are_those_of_the_kernel(body):
         _, T, D = kernel.values(np.abs(x - s))
         return weight @ (T * state.traction_at(s) + np.sign(x - s) * D * state.pressure_at(s))
 
+    def lifted(x):
+        s, weight = smooth_rule(*state.contact, [*state.contact, *np.ravel(state.stick_zones), x])
+        N, _, D = kernel.values(np.abs(x - s))
+        return weight @ (N * state.pressure_at(s) - np.sign(x - s) * D * state.traction_at(s)) + PROFILE.height(x)
+
+    assert np.ptp([lifted(x) for x in np.linspace(*state.contact, 6)[1:-1]]) < 1e-4
+    scaled = state._state
+    x = np.linspace(*scaled.contact, 20)[1:-1]
+    assert np.abs(scaled.displacements(x)[1] + scaled.problem.height(x)).max() < 1e-4
     points = np.array([-1.3, 0.95, 0.1, 0.2]) * state.contact[1]
     expected = [moved(x, state) - moved(x, pressed) for x in points]
     assert np.diff(state.slip_at(points)) == pytest.approx(np.diff(expected), abs=5e-5 * np.ptp(expected))
+
+
+@pytest.mark.parametrize("place", [1e-3, 8e-3, 0.3, 0.6])
+def test_tractions_up_to_a_point(place):
+    """∫ sgn(x - s) w f ds, also where x is in the piece at an edge that has a rule of its own."""
+    stage = NormalStage(sloped("linear", 3.0, 1.0), PROFILE, 1.0, MU, True, 10)
+    area = ContactInterval(stage.problem, MU, -1.0, 1.0)
+    rule, x = ContactRule(area, (-0.3, 0.3), 0.0), np.array([-1.0 + place, 1.0 - place])
+    shares = betainc(area.left + 1, area.right + 1, (x + 1) / 2)
+    whole = 2 ** (area.left + area.right + 1) * beta(area.left + 1, area.right + 1)
+    assert rule.sign(x) @ rule.w == pytest.approx((2 * shares - 1) * whole, rel=1e-9)
+
+
+def test_without_coupling_the_contact_stays():
+    pressed, *states = CoupledLoop(sloped("linear", 3.0, 1.0), PROFILE, 1.0, MU, False).run(LOADS[:3])
+    assert all(state.contact == pytest.approx(pressed.contact, abs=2e-6) for state in states)
 
 
 def test_a_coating_like_its_substrate():
