@@ -13,6 +13,7 @@ from simulations.runs.reference import of_same_physics
 from simulations.runs.step_free import StepFree
 from simulations.scene import SceneError, make_scene
 from simulations.scene.effects import Effects
+from simulations.scene.scaling import Scaled
 from simulations.scene.solid import homogeneous_half_width
 
 SCENE = """
@@ -109,6 +110,18 @@ def test_a_table_of_two_points_is_a_linear_coating():
     one, other = (solved(scene, **MEDIUM).history.entries for scene in (line.to_toml(), table.to_toml()))
     for entry, expected in zip(one, other, strict=True):
         assert (*entry.contact, *entry.stick) == pytest.approx((*expected.contact, *expected.stick), abs=1e-7)
+
+
+@pytest.mark.parametrize("first, expected", [(1e-5, False), (5e-4, True)])
+def test_what_counts_for_a_table_is_its_first_layer(first, expected):
+    scene = make_scene({"solid.points": [[0.0, 210e9], [first, 209e9], [1e-3, 70e9]]}, TABLE)
+    assert serves(scene, Effects(scene)) is expected
+    assert Scaled.of(scene).kernel.first_layer == pytest.approx(first / scene.half_width)
+
+
+def test_a_contact_too_wide_for_its_indenter_names_the_table():
+    with pytest.raises(SceneError, match="look at solid.points, load.P"):
+        make_scene({"load.P": 1e11}, TABLE)
 
 
 def test_the_scale_of_a_table_that_goes_up_and_down():

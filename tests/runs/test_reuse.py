@@ -58,6 +58,15 @@ def test_friction_load_and_cylinder_alone_only_scale_an_uncoupled_contact(change
     assert (planned(UNCOUPLED | changes).graded_for == planned(UNCOUPLED).graded_for) == is_shared
 
 
+def test_tables_of_moduli_share_where_all_their_points_are_the_same():
+    def table(deepest):
+        others = dict.fromkeys(("E0", "k", "y0", "y0_over_a0"))
+        table = {"modulus": "tabulated", "points": [[0.0, 2e11], [1e-3, 2e11], [2e-3, deepest]]}
+        return planned(UNCOUPLED | {f"solid.{name}": value for name, value in (others | table).items()}).graded_for
+
+    assert table(1e11) == table(1e11) != table(1.1e11)
+
+
 @pytest.mark.parametrize(
     "keys, changes",
     [
