@@ -18,8 +18,7 @@ from ..loading.schedule import LoadStep
 from ..scene import Scene
 from ..scene.effects import Effects
 from ..scene.scaling import Scaled
-from ..scene.solid import modulus_at
-from ..scene.tables import Tabulated
+from ..scene.solid import modulus
 from .expected_edges import FINER_WITH_COUPLING, MERGED, TURNED, ExpectedEdges, several, share_of_limit, stops_at
 
 LOWEST, HIGHEST = -0.9, 0.9  # k for which docs/accuracy.md has what both orders of the basis differ by
@@ -46,9 +45,9 @@ def serves(scene: Scene, effects: Effects) -> bool:
 
 def _is_mild(scene):
     """Whether a coating changes so little over the half-width of contact that polynomials carry what it adds to u_y."""
-    solid, a = scene.material, scene.half_width
-    top = solid.points[1][0] if isinstance(solid, Tabulated) else solid.thickness
-    steepness = 0.0 if scene.k else (modulus_at(solid, NEAR * top) / solid.E0 - 1) * a / (NEAR * top)
+    law, a = modulus(scene.material, 1.0, 1.0), scene.half_width
+    top = law.kinks[0]
+    steepness = 0.0 if scene.k else (law.young(NEAR * top) / law.E0 - 1) * a / (NEAR * top)
     return top >= THINNEST * a and abs(steepness) <= STEEPEST
 
 

@@ -16,6 +16,13 @@ from simulations.scene.effects import Effects
 from simulations.scene.scaling import Scaled
 from simulations.scene.solid import homogeneous_half_width
 
+CYLINDER = """[indenter]
+R = 0.1
+[load]
+P = 1.0e6
+mu = 0.3
+amplitude = 0.9
+"""
 SCENE = """
 [solid]
 modulus = "{modulus}"
@@ -23,25 +30,13 @@ E0 = 210e9
 nu = 0.3
 {more}
 thickness_over_a0 = {thickness}
-[indenter]
-R = 0.1
-[load]
-P = 1.0e6
-mu = 0.3
-amplitude = 0.9
-"""
+""" + CYLINDER
 TABLE = """
 [solid]
 modulus = "tabulated"
 points = [[0.0, 210e9], [1e-3, 70e9]]
 nu = 0.3
-[indenter]
-R = 0.1
-[load]
-P = 1.0e6
-mu = 0.3
-amplitude = 0.9
-"""
+""" + CYLINDER
 MEDIUM = {
     "mesh__facet": 0.04,
     "mesh__edge_facet": 2e-3,
