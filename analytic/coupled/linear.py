@@ -38,106 +38,98 @@ def solve(base, friction, edges, layout, Q) -> Solution:
     What layers below the surface add to u_y is a sum of polynomials, which acts on p like a profile of this height.
     """
     problem, f = base.problem, friction
-    k, d = problem.k, problem.d
+    k, d, terms = problem.k, problem.d, problem.terms
     x_l, c_l, c_r, x_r = edges
     contact = ContactInterval(problem, f, x_l, x_r)
     stick = StickBasis(c_l, c_r, layout, edge_exponents(problem, f)[1:3], problem.order, k)
-    x, n = stick.points, stick.size
-    alpha, beta = hilbert_factors(problem, f)
-    chi = d * (1 + f**2 * problem.gk / problem.bk)
-    of_even = -(problem.gk + chi * beta * hilbert_ratio(k))
-    of_odd = chi * alpha - f * d * problem.gk / problem.bk
     rule = ContactRule(contact, (c_l, c_r), k)
+    alpha, beta = hilbert_factors(problem, f)
+    ratio = f * problem.gk / problem.bk
+    chi = d * (1 + f * ratio)
+    x, n = stick.points, stick.size
+    # columns: r in stick, two singular parts of p, polynomials of the layers; and what is known
+    size, singular, layers = n + 3 + terms, slice(n, n + 2), slice(n + 2, -1)
     D, b = contact.profile()
-    D_layers, b_layers = contact.of_heights(problem.terms)
-    odd_s = rule.odd(x, k)
-
-    def of_limit(panels, contracted):
-        """Of r on panels: w H[r/w] at the nodes of the rule, less v H[r/v], and for layers less root H[r/root]; ∫ p,
-        ∫ r, ∫ r/w.
-        """
-        nodes, weights = panels.nodes, panels.weights
-        weight = contact.weight(nodes)
+    D_layers, b_layers = contact.of_heights(terms)
+    p = np.zeros((len(rule.x), size))  # without r, at the nodes of the rule
+    p[:, singular] = rule.w_over[:, None] * np.stack([np.ones_like(rule.t), rule.t], axis=1)
+    p[:, layers] = rule.w[:, None] * chebvander(rule.t, len(D_layers) - 1) @ D_layers
+    p[:, -1] = rule.w * D(rule.t)
+    smooth, rooted = p, p.copy()  # less alpha r, and beta v H[r/v] or beta root H[r/root]: both are smooth in stick
+    u_x, at_edges, (of_p, of_r, over_w) = np.zeros((n, size)), np.zeros((2, size)), np.zeros((3, size))
+    parts = _parts(base, f, stick)
+    kernels = [stick.matrices(k), *([act(m, 1.0) for m in panels.matrices(x, k)] for _, panels, act in parts[1:])]
+    for (columns, panels, contracted), (even, odd) in zip(parts, kernels, strict=True):
+        nodes, weights, weight = panels.nodes, panels.weights, contact.weight(panels.nodes)
         t, left, right = contact.local(nodes)
+        root = np.sqrt(left * right)
         cauchy = weights / np.pi / (rule.x[:, None] - nodes)
         whole = rule.w[:, None] * contracted(cauchy, weight)
-        smooth = whole - rule.v[:, None] * contracted(cauchy, (left * right) ** (k / 2))
-        root = np.sqrt(left * right)
-        rooted = whole - rule.root[:, None] * contracted(cauchy, root) if problem.terms else None
-        load = contracted((rule.weights * rule.w @ cauchy)[None], weight)
-        load -= contracted((rule.weights * rule.root @ cauchy + weights * t)[None], root)
-        of_r = contracted(weights[None], 1.0)[0]
-        over_w = contracted(weights[None], weight)[0]
-        return smooth, rooted, alpha * of_r + beta * load[0], of_r, over_w
-
-    def at_edges(panels, contracted):
-        """H[r/w] at both edges of contact."""
-        matrix = panels.weights / np.pi / (np.array([[x_l], [x_r]]) - panels.nodes)
-        return contracted(matrix, contact.weight(panels.nodes))
-
-    limit = stick.rule(COARSE), lambda m, w: stick.contracted(m / w, COARSE)
-    smooth, rooted, of_p, of_r, over_w = of_limit(*limit)
-    even, odd = stick.matrices(k)
-    # unknowns: r, two singular parts of p, polynomials of the layers, u_x where it is constant
-    of_heights = rule.w[:, None] * chebvander(rule.t, len(D_layers) - 1) @ D_layers
-    singular = np.stack([rule.w_over, rule.w_over * rule.t], axis=1)
-    on_rule = np.hstack([beta * smooth, singular, of_heights])  # p less alpha r
-    A, right = np.zeros((n + 3 + problem.terms,) * 2), np.zeros(n + 3 + problem.terms)
-    A[:n, :-1] = chi * (odd_s @ on_rule)
-    A[:n, :n] += of_even * even + of_odd * odd
-    A[:n, -1] = -1
-    A[n, :n], A[n, n : n + 2], A[n, n + 2 : -1] = of_p, contact.unbounded, rule.weights @ of_heights
-    A[n + 1, :n] = of_r
-    A[n + 2, :n], A[n + 2, n + 1], A[n + 2, n + 2 : -1] = -beta / np.pi / contact.half * over_w, 1, -b_layers
-    right[:n] = base.moved(x) + f * problem.gk / problem.bk * problem.height(x)
-    right[n : n + 3] = 1, f - Q, b
-    limits = [(slice(n), *limit)]  # by columns
-    known, of_known, profile = None, 0.0, rule.w * D(rule.t)
-    p_known = p_rooted = profile
-    if stick.panels and np.any((base.breaks > stick.inner[0]) & (base.breaks < stick.inner[-1])):
-        known = base.limit_between(f, *stick.inner[[0, -1]], x)
-    if known:
-        source, r = known
-        limit_known = source, lambda m, w: m @ (r / w)[:, None]
-        limits.append((slice(-1, None), *limit_known))
-        smooth_known, rooted_known, of_p, of_r, over_w = of_limit(*limit_known)
-        of_known = at_edges(*limit_known)[:, 0]
-        even, odd = source.matrices(x, k)
-        right[:n] -= of_even * (even @ r) + of_odd * (odd @ r)
-        right[n : n + 3] -= of_p[0], of_r[0], -beta / np.pi / contact.half * over_w[0]
-        p_known = profile + beta * smooth_known[:, 0]
-        if problem.terms:
-            p_rooted = profile + beta * rooted_known[:, 0]
-    right[:n] -= chi * (odd_s @ p_known)
-    right[n] -= rule.weights @ profile
-    if problem.terms:
-        places = np.concatenate([x, contact.middle + contact.half * chebpts1(problem.terms)])
-        heights = chebvander(contact.local(places)[0], problem.terms - 1)
-        p_less_rooted = np.hstack([beta * rooted, singular, of_heights, p_rooted[:, None]])
-        u = displaced(contact, rule, places, p_less_rooted, limits, alpha, beta)
+        smooth[:, columns] += beta * (whole - rule.v[:, None] * contracted(cauchy, (left * right) ** (k / 2)))
+        rooted[:, columns] += beta * (whole - rule.root[:, None] * contracted(cauchy, root))
+        at_edges[:, columns] = contracted(weights / np.pi / (np.array([[x_l], [x_r]]) - nodes), weight)
+        of_p[columns] = -beta * contracted((weights * t)[None], root)[0]  # ∫ root H[r/root] = -∫ t r/root
+        of_r[columns], over_w[columns] = contracted(weights[None], 1.0)[0], contracted(weights[None], weight)[0]
+        u_x[:, columns] = (chi * alpha - d * ratio) * odd - (problem.gk + chi * beta * hilbert_ratio(k)) * even
+    u_x += chi * (rule.odd(x, k) @ smooth)
+    u_x[:, -1] -= base.moved(x) + ratio * problem.height(x)
+    of_p += alpha * of_r + rule.weights @ rooted
+    of_p[-1] -= 1
+    of_r[-1] -= f - Q
+    of_t = -beta / np.pi / contact.half * over_w  # the second singular part follows from r, layers and profile
+    of_t[n + 1] += 1
+    of_t[layers] -= b_layers
+    of_t[-1] -= b
+    u_y = np.zeros((0, size))
+    if terms:
+        places = np.concatenate([x, contact.middle + contact.half * chebpts1(terms)])
+        heights = chebvander(contact.local(places)[0], terms - 1)
+        u = displaced(contact, rule, places, rooted, parts, alpha, beta)
         if problem.kinks is not None:
-            fine = slice(n), stick.rule(PARTS), lambda m, w: stick.contracted(m / w, PARTS)
-            p_less_H = np.hstack([on_rule, p_known[:, None]])
-            u += displaced_by_kinks(contact, rule, places, p_less_H, [fine, *limits[1:]], alpha, beta, Q)
-        u_x, u_y = u
-        A[:n, :-1] += u_x[:n, :-1]
-        A[:n, n + 2 : -1] -= f * problem.gk / problem.bk * heights[:n]
-        A[n + 3 :, :-1] = -u_y[n:, :-1]
-        A[n + 3 :, n + 2 : -1] += heights[n:]
-        right[:n] -= u_x[:n, -1]
-        right[n + 3 :] = u_y[n:, -1]
-    u = np.linalg.solve(A, right)
-    D = D + Chebyshev(D_layers @ u[n + 2 : -1])
-    at_ends = at_edges(*limit) @ u[:n] + of_known
-    at_stick, after_stick = np.sign(f) * stick.amplitudes(u[:n])
-    # towards the edges p = w (ends[0]/(1 + t) + ends[1]/(1 - t) + D + beta H[r/w])
-    ends = np.array([u[n] - u[n + 1], u[n] + u[n + 1]]) / 2
-    bounded = D(np.array([-1.0, 1.0])) + ends[::-1] / 2 + beta * at_ends
-    scale = contact.half / D(0.0)
+            fine = [_basis(stick, PARTS), *parts[1:]]
+            u += displaced_by_kinks(contact, rule, places, smooth, fine, alpha, beta, Q)
+        u_x += u[0, :n]
+        u_x[:, layers] -= ratio * heights[:n]
+        u_y = -u[1, n:]
+        u_y[:, layers] += heights[n:]
+    rows = np.vstack([u_x, of_p, of_r, of_t, u_y])
+    constant = np.repeat([-1.0, 0.0], [n, size - n])  # u_x where it sticks, the last unknown
+    solved = np.linalg.solve(np.column_stack([rows[:, :-1], constant]), -rows[:, -1])
+    D += Chebyshev(D_layers @ solved[layers])
+    at_ends = at_edges @ np.append(solved[:-1], 1.0)
+    tilt = solved[n + 1]
+    ends = (solved[n] + np.array([-tilt, tilt])) / 2
+    state = SlipState(base, f, Q, contact, stick, solved[:n], (alpha, beta), D, len(parts) > 1)
+    return Solution(state, *_of_edges(state, ends, beta * at_ends))
+
+
+def _basis(stick, parts):
+    """``_parts`` of the basis, the panels at its ends in so many ``parts``."""
+    return slice(stick.size), stick.rule(parts), lambda m, w: stick.contracted(m / w, parts)
+
+
+def _parts(base, friction, stick):
+    """Parts of r, that of the basis and that known from the turn, each with its columns of the linear system, panels,
+    and a function that takes a matrix, which acts on values of r/w at their nodes, and w to these columns.
+    """
+    parts, (low, high) = [_basis(stick, COARSE)], stick.inner[[0, -1]]
+    if stick.panels and np.any((base.breaks > low) & (base.breaks < high)):
+        panels, r = base.limit_between(friction, low, high, stick.points)
+        parts.append((slice(-1, None), panels, lambda m, w: m @ (r / w)[:, None]))
+    return parts
+
+
+def _of_edges(state, ends, added):
+    """Amplitudes and rates of a ``Solution``. Towards the edges
+    p = w (ends[0]/(1 + t) + ends[1]/(1 - t) + state.profile(t) + added).
+    """
+    (x_l, x_r), (c_l, c_r), area = state.contact, state.stick, state.area
+    at_stick, after_stick = np.sign(state.friction) * state.zone.amplitudes(state.coefficients)
+    bounded = state.profile(np.array([-1.0, 1.0])) + ends[::-1] / 2 + added
+    scale = area.half / state.profile(0.0)
     widths = np.array([c_l - x_l, c_l - x_l, x_r - c_r, x_r - c_r])
     amplitudes = scale * np.array([ends[0], at_stick[0] / 2, at_stick[1] / 2, ends[1]]) / widths
-    exponents = [contact.left, stick.exponents[0] + 1, stick.exponents[1] + 1, contact.right]
+    exponents = [area.left, state.zone.exponents[0] + 1, state.zone.exponents[1] + 1, area.right]
     rates = scale * np.array([bounded[0], after_stick[0] / 2, after_stick[1] / 2, bounded[1]]) * exponents
-    rates[[0, 3]] /= contact.half
-    state = SlipState(base, f, Q, contact, stick, u[:n], (alpha, beta), D, known is not None)
-    return Solution(state, amplitudes, rates)
+    rates[[0, 3]] /= area.half
+    return amplitudes, rates

@@ -6,7 +6,7 @@ from math import pi, sin
 import numpy as np
 from numpy.polynomial import Chebyshev
 from numpy.polynomial.chebyshev import chebder, chebdiv, chebvander
-from scipy.special import beta, eval_jacobi, roots_jacobi
+from scipy.special import eval_jacobi, roots_jacobi
 
 from ..edge_exponents import edge_exponents
 from .panels import Panels
@@ -36,12 +36,6 @@ class ContactInterval:
         """w at x."""
         _, from_left, from_right = self.local(x)
         return np.maximum(from_left, 0) ** self.left * np.maximum(from_right, 0) ** self.right
-
-    @property
-    def unbounded(self):
-        """∫ w/(1 - t²) and ∫ t w/(1 - t²) over x."""
-        whole = self.half * 2**self.problem.k * beta(self.left, self.right)
-        return whole, whole * (self.left - self.right) / (self.left + self.right)
 
     def profile(self):
         """A p = constant - height for p = w/(1 - t²) ((1 - t²) D(t) + a + b t): D as a Chebyshev series, and b."""
