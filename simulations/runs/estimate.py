@@ -117,7 +117,7 @@ def _choice(scene: Scene) -> accuracy.Choice:
 
 
 def _asked(scene: Scene):
-    return accuracy.of_scene(scene.load, scene.k, scene.effects.coupling and not scene.is_decoupled)
+    return accuracy.of_scene(scene.load, scene.material, scene.effects.coupling)
 
 
 def expectation(scene: Scene) -> str:

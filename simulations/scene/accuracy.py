@@ -14,6 +14,8 @@ from math import isfinite
 from pathlib import Path
 
 from .errors import SceneError, rounded
+from .solid import is_decoupled
+from .tables import AnyLoad, AnySolid, Fretting, Indentation
 
 TABLE = Path(__file__).with_name("accuracy.csv")
 FINEST_EDGE = 6e-5  # a, for k < 0: slip on thinner layers has ten times the error
@@ -66,14 +68,14 @@ def family(fineness: float, k: float, coupled: bool = False) -> dict[str, float]
     return {"mesh.degree": 3} | {f"mesh.{name}": float(f"{value:.4g}") for name, value in sizes.items()}
 
 
-def of_scene(load, k: float, coupled: bool) -> tuple[float, float | None, bool]:
+def of_scene(load: AnyLoad, material: AnySolid, coupling: bool) -> tuple[float, float | None, bool]:
     """A scene as the table knows it: k, Q_A/(mu P), which is 0.9 for paths and None for a single load without
-    friction, and whether it is a loop with coupling. coupled: whether there is coupling; a power law at the Holl ratio
-    has none.
+    friction, and whether it is a loop with coupling. coupling: whether it is on; at the Holl ratio it vanishes.
     """
-    has_states = getattr(load, "mu", None) is not None or hasattr(load, "points")
-    amplitude = getattr(load, "amplitude", 0.9) if has_states else None
-    return k, amplitude, coupled and hasattr(load, "amplitude")
+    k = getattr(material, "k", 0.0)
+    if isinstance(load, Fretting):
+        return k, load.amplitude, coupling and not is_decoupled(material)
+    return k, None if isinstance(load, Indentation) else 0.9, False
 
 
 @cache

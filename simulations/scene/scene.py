@@ -16,7 +16,7 @@ from .resolve import fitting, typed_tables
 from .settings import EffectSwitches, Mesh, Reference, Solver
 from .steepness import check_steepness
 from .table import KINDS
-from .tables import AnyIndenter, AnyLoad, AnySolid, Fretting, Homogeneous, Path
+from .tables import AnyIndenter, AnyLoad, AnySolid, Fretting, Path
 from .text import written
 
 LOCKING = 0.47  # Poisson's ratio above which plain displacements lose to the mixed form, measured (docs/effects.md)
@@ -123,7 +123,7 @@ class Scene(BaseModel):
     @property
     def material(self) -> AnySolid:
         """The solid, homogeneous where grading is switched off."""
-        return self.solid if self.effects.grading else Homogeneous(E0=self.solid.E0, nu=self.solid.nu)
+        return solids.material(self.solid, self.effects.grading)
 
     @property
     def k(self) -> float:

@@ -14,6 +14,11 @@ from .tables import AnySolid, ExponentialCoating, Homogeneous, PowerLaw, PowerLa
 KERNEL_FROM, KERNEL_TO = 1e-4, 8.0  # distances, over the half-width, between which a kernel is wanted
 
 
+def material(solid: AnySolid, grading: bool) -> AnySolid:
+    """The solid, homogeneous where grading is switched off."""
+    return solid if grading else Homogeneous(E0=solid.E0, nu=solid.nu)
+
+
 def is_power_law(solid: AnySolid) -> bool:
     """True where (1) holds at every depth, with k = 0 too."""
     return isinstance(solid, (PowerLaw, Homogeneous))
