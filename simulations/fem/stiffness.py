@@ -5,6 +5,8 @@ from dolfinx import fem
 from dolfinx.fem import petsc as fem_petsc
 from petsc4py import PETSc
 
+from .lagrange import gauss
+
 
 def assemble_stiffness(form, fixed_dofs: np.ndarray) -> tuple[PETSc.Mat, PETSc.Mat]:
     """Stiffness of a compiled form, and the same with rows and columns of the identity at local ``fixed_dofs``."""
@@ -32,12 +34,12 @@ def modulus_correction(modulus, mesh, space, degree: int):
     """
     if not modulus.is_singular:
         return 1.0
-    points, weights = np.polynomial.legendre.leggauss(degree + 1)
+    points, weights = gauss(degree + 1)
     depths = _depths(mesh)
     top, bottom = np.maximum(depths.min(axis=1), 0.0), depths.max(axis=1)
-    at_points = modulus.young(top[:, None] + (bottom - top)[:, None] * (1.0 + points) / 2.0)
+    at_points = modulus.young(top[:, None] + (bottom - top)[:, None] * points)
     factor = fem.Function(space)
-    factor.x.array[:] = modulus.layer_mean(top, bottom) / (at_points @ weights / 2.0)
+    factor.x.array[:] = modulus.layer_mean(top, bottom) / (at_points @ weights)
     return factor
 
 
