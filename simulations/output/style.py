@@ -1,6 +1,5 @@
 """Style of all pictures in one place: fonts, colours, markers, sizes, files."""
 
-from contextlib import contextmanager
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -78,11 +77,9 @@ def left_out(shown: int, states: int) -> str:
     return f"{shown} of {states} states shown" if shown < states else ""
 
 
-@contextmanager
 def style():
-    """Within it figures have the fonts, lines and colours of this project."""
-    with plt.rc_context(FONTS):
-        yield
+    """Context in which figures have the fonts, lines and colours of this project."""
+    return plt.rc_context(FONTS)
 
 
 def panels(columns: int, title: str, note: str, rows: int = 1, width: float = 5.2, height: float = 4.4):
