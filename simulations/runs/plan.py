@@ -49,6 +49,11 @@ class Plan:
             self.stretched = StretchedLoop(self.loop, self._strain)
         self.schedule = self._schedule()
 
+    @property
+    def is_coupled(self) -> bool:
+        """True where coupling is on and does not vanish, as it does at the Holl ratio."""
+        return "coupling" in self.effects and not self.scene.is_decoupled
+
     @cached_property
     def pressing_with_friction(self) -> PressingWithFriction | None:
         """The exact contact under P = 1 where it is pressed on with friction and grows similar to itself, else None."""
@@ -86,7 +91,7 @@ class Plan:
         scene = self.scene
         if not scene.is_power_law:
             return scene.mesh.extent * FARTHER * max(1.0, self.scaled.modulus.thickness)
-        if "coupling" in self.effects and not scene.is_decoupled:
+        if self.is_coupled:
             return scene.mesh.extent * FARTHER ** min(max(1.0, 1.0 / (1.0 + scene.k)), LARGEST_POWER)
         return scene.mesh.extent * (FARTHER if "bulk strain" in self.effects else 1.0)
 

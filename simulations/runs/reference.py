@@ -31,9 +31,8 @@ def closed_form(simulation: Simulation) -> Springs | StretchedForm | None:
 
 def neglected(simulation: Simulation) -> list[str]:
     """Effects of a simulation that its closed form, where there is one, leaves out."""
-    coupled = "coupling" in simulation.effects and not simulation.scene.contact_has_closed_form
     strained = "bulk strain" in simulation.effects and simulation.stretched is None
-    return ["coupling"] * coupled + ["bulk strain"] * strained + simulation.effects.without_closed_form
+    return ["coupling"] * simulation.is_coupled + ["bulk strain"] * strained + simulation.effects.without_closed_form
 
 
 def expected_seconds(simulation: Simulation) -> float:

@@ -92,9 +92,8 @@ class Simulation(Plan):
         self.resumed = 0  # times
         # beside the edges of contact: the substrate's where a coating is thinner than the facets there
         k = scene.k if self.scaled.modulus.thickness > self.cells.edge_facet else 0.0
-        coupled = "coupling" in self.effects and not scene.contact_has_closed_form
         order = indenter.order if pressing else None
-        self.history = History(k, self.mu, order, self._exponents(k), coupled)
+        self.history = History(k, self.mu, order, self._exponents(k), self.is_coupled)
 
     @property
     def warnings(self) -> list[str]:
