@@ -30,7 +30,7 @@ class Modulus(Protocol):
         """Depth."""
 
     @property
-    def kinks(self) -> tuple:
+    def kink_depths(self) -> tuple:
         """Depths at which E has another slope above than below."""
 
     @property
@@ -93,7 +93,7 @@ class PowerLaw:
         return self.sign < 0
 
     @property
-    def kinks(self):
+    def kink_depths(self):
         """The end of the power law."""
         return (self.thickness,)
 
@@ -143,7 +143,7 @@ class Coating:
     parameters: ClassVar[tuple[str, ...]] = ("E0", "substrate", "thickness")
 
     @property
-    def kinks(self):
+    def kink_depths(self):
         """The end of the coating."""
         return (self.thickness,)
 
@@ -179,7 +179,7 @@ class Tabulated:
         return self.depths[-1]
 
     @property
-    def kinks(self):
+    def kink_depths(self):
         """All depths below the surface."""
         return self.depths[1:]
 

@@ -125,8 +125,8 @@ def _placed(edges, first: int, at: float, columns: int) -> np.ndarray:
     return np.interp(np.arange(columns + 1.0), before, after)
 
 
-def layers(grading: Grading, depth: DepthMap, kinks: Sequence[float] = ()) -> np.ndarray:
-    """Mesh depths (n,) of the layers, from the surface to ``extent``, one of them at each depth of ``kinks`` of E(y).
+def layers(grading: Grading, depth: DepthMap, kink_depths: Sequence[float] = ()) -> np.ndarray:
+    """Mesh depths (n,) of the layers, from the surface to ``extent``, one at each of the ``kink_depths`` of E(y).
 
     For k <= 0 they grow from ``first_layer`` by ``layer_growth``: y_i = r (growth^i - 1). In a mesh depth s = y^(1/m)
     the field varies on the scale (r + y)^(1/m): s_i = r^(1/m) (growth^(i/m) - 1). All are scaled to end at ``extent``.
@@ -138,7 +138,7 @@ def layers(grading: Grading, depth: DepthMap, kinks: Sequence[float] = ()) -> np
     s = np.expm1(np.arange(n + 1) * np.log(growth))
     s *= bottom / s[-1]
     placed: list[float] = []
-    for at in (depth.s(kink) for kink in kinks if kink < grading.extent):
+    for at in (depth.s(kink) for kink in kink_depths if kink < grading.extent):
         nearest = 1 + np.argmin(np.abs(s[1:-1] - at))
         if s[nearest] in placed:
             s = np.sort(np.append(s, at))

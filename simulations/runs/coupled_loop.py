@@ -46,7 +46,7 @@ def serves(scene: Scene, effects: Effects) -> bool:
 def _is_mild(scene):
     """Whether a coating changes so little over the half-width of contact that polynomials carry what it adds to u_y."""
     law, a = modulus(scene.material, 1.0, 1.0), scene.half_width
-    top = law.kinks[0]
+    top = law.kink_depths[0]
     steepness = 0.0 if scene.k else (law.young(NEAR * top) / law.E0 - 1) * a / (NEAR * top)
     return top >= THINNEST * a and abs(steepness) <= STEEPEST
 

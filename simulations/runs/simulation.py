@@ -128,7 +128,7 @@ class Simulation(Plan):
         if "symmetry" in self.effects:
             middle = len(x) // 2
             x = x[middle:] - x[middle]
-        self.ordinates = x, layers(self.cells, law.depth_map(), law.kinks)
+        self.ordinates = x, layers(self.cells, law.depth_map(), law.kink_depths)
         self._check_size()
         return create_mesh(comm, *self.ordinates)
 

@@ -93,5 +93,5 @@ def _resolved(length: float | None) -> float:
 
 def layered_kernel(law: forms.Modulus, solid: GradedHalfPlane) -> LayeredKernel:
     """What the half-plane solver takes for a coated solid, in scaled units; ``solid`` is that of the surface."""
-    nearest = law.kinks[0]
+    nearest = law.kink_depths[0]
     return LayeredKernel(law.young, solid, law.thickness, KERNEL_FROM * min(1.0, nearest), KERNEL_TO, nearest)

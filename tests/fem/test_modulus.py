@@ -39,7 +39,7 @@ def test_a_table_is_linear_between_its_points():
     y = np.linspace(0.0, 0.7, 29)
     ramps = [3.0 - 20.0 * min(at, 0.1) + 2.5 * (min(max(at, 0.1), 0.5) - 0.1) for at in y]
     assert table.young(y) == pytest.approx(ramps, rel=1e-14)
-    assert (table.E0, table.thickness, table.kinks) == (3.0, 0.5, (0.1, 0.5))
+    assert (table.E0, table.thickness, table.kink_depths) == (3.0, 0.5, (0.1, 0.5))
 
 
 @pytest.mark.parametrize("modulus", MODULI[:3], ids=str)
