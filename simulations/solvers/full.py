@@ -1,4 +1,4 @@
-"""The full Newton step: every displacement and the rigid motion of the cylinder.
+"""The full Newton step: every displacement and the rigid motion of the indenter.
 
     [ J  C ] [du    ]     [ force residual ]
     [ R  D ] [ddelta] = - [ load imbalance ]
@@ -16,7 +16,7 @@ from ..fem.contact_problem import ContactProblem
 from .bulk_solver import bulk_solver
 from .system import System
 
-SINGULAR = 1e12  # condition of the equations of the cylinder, which is free to move beyond it
+SINGULAR = 1e12  # condition of the equations of the indenter, which is free to move beyond it
 
 
 class FullSystem(System):
@@ -58,13 +58,13 @@ class FullSystem(System):
         self._columns = columns
         self._schur = self._corner - np.array([[row.dot(z) for z in self._responses] for row in self._rows])
 
-    def solve(self, b, x, held=False):
-        """x = J^-1 b by block elimination; nan where the cylinder is free to move (every point slips) and not held."""
+    def solve(self, b, x, fixed=False):
+        """x = J^-1 b by block elimination; nan where the indenter is free to move (every point slips) and not fixed."""
         bulk, rigid = self._split(b)
         response = self._bulk_solve(bulk)
         rigid = rigid - np.array([row.dot(response) for row in self._rows])
         schur = self._schur.copy()
-        if held:
+        if fixed:
             aside = self._rigid.index(X)
             schur[aside], rigid[aside] = np.eye(len(rigid))[aside], 0.0
         regular = bool(np.isfinite(schur).all()) and np.linalg.cond(schur) < SINGULAR

@@ -24,7 +24,7 @@ from forms.contact import CLOSED, OPEN, X, Y
 from ..fem.load import Load
 from .system import System
 
-HELD = 1e-9, 200  # of the way on which a point sticks: where the indenter is held; halvings that take it there
+FIXED = 1e-9, 200  # of the way on which a point sticks: where the indenter is fixed; halvings that take it there
 BEYOND = 1e-6, 1e-9  # how much further than to a change a step goes, past round-off: of its length, and of a whole step
 
 Residual = Callable[[PETSc.Vec], tuple[PETSc.Vec, bool]]
@@ -47,9 +47,9 @@ def follow(system: System, x: PETSc.Vec, residual: Residual, load: Load, most: i
         system.linearise(x)
         system.solve(f, step)
         if free and not _is_finite(step, comm):
-            system.solve(f, step, held=True)
+            system.solve(f, step, fixed=True)
         if not _is_finite(step, comm):  # all points slide
-            if free or not system.problem.friction or not _hold_indenter(system, x, residual, load.Q):
+            if free or not system.problem.friction or not _fix_indenter(system, x, residual, load.Q):
                 return number, False
             free, entered = True, None
             continue
@@ -82,7 +82,7 @@ def _is_finite(vector, comm) -> bool:
     return comm.allreduce(bool(np.all(np.isfinite(vector.array_r))), MPI.LAND)
 
 
-def _hold_indenter(system, x, residual, Q) -> bool:
+def _fix_indenter(system, x, residual, Q) -> bool:
     """Move the indenter, free where all points slide, to where friction carries Q; whether there is such a place."""
     terms, comm = system.problem.terms, system.problem.body.mesh.comm
 
@@ -104,7 +104,7 @@ def _hold_indenter(system, x, residual, Q) -> bool:
     within = comm.allreduce(float(np.max(limit / stiffness, initial=0.0)), MPI.MAX)
     if not excess(-reach) * excess(reach) < 0.0:
         return False
-    share, halvings = HELD
+    share, halvings = FIXED
     at(brentq(excess, -reach, reach, xtol=share * within, maxiter=halvings)).copy(x)
     return True
 

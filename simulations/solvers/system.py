@@ -31,8 +31,8 @@ class System(Protocol):
     def linearise(self, x: PETSc.Vec):
         """Prepare ``solve`` at ``x``."""
 
-    def solve(self, b: PETSc.Vec, x: PETSc.Vec, held: bool = False):
-        """x = J^-1 b; nan where J is singular. held: the indenter stays where it is along the surface, whatever Q."""
+    def solve(self, b: PETSc.Vec, x: PETSc.Vec, fixed: bool = False):
+        """x = J^-1 b; nan where J is singular. fixed: the indenter stays where it is along the surface, whatever Q."""
 
     def multiply(self, x: PETSc.Vec, y: PETSc.Vec):
         """y = J x."""

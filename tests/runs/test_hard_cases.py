@@ -90,7 +90,7 @@ def test_what_round_off_leaves_of_the_load_balance_ends_a_solve():
 
 def test_first_contact_has_facets_enough(monkeypatch):
     """Pressed on with little friction, few points all slide at first: a singular tangent. Of more some stick."""
-    monkeypatch.setattr(path, "_hold_indenter", lambda *_: False)
+    monkeypatch.setattr(path, "_fix_indenter", lambda *_: False)
     scene = {"solid__k": 0.0, "solid__nu": 0.3, "load__mu": 0.003, "effects__friction_in_normal_stage": "true"}
     simulation = solved(**scene)
     assert len(simulation.history.entries) == len(simulation.schedule)

@@ -70,7 +70,7 @@ def test_where_all_points_slide_the_indenter_is_held(monkeypatch):
         return Simulation(MPI.COMM_SELF, make_scene(SHRINKING, base=None)).run_to_end()
 
     assert shrunk().history.entries[-1].step.load[:2] == pytest.approx((0.5, 0.1))
-    monkeypatch.setattr(path, "_hold_indenter", lambda *_: False)
+    monkeypatch.setattr(path, "_fix_indenter", lambda *_: False)
     with pytest.raises(SolveError, match="singular"):
         shrunk()
 
@@ -84,7 +84,7 @@ def test_a_held_indenter_does_not_move_aside(method):
     b.array[:] = np.random.default_rng(1).standard_normal(b.local_size)
     system.linearise(x)
     step = x.duplicate()
-    system.solve(b, step, held=True)
+    system.solve(b, step, fixed=True)
     system.multiply(step, y)
     assert step.array_r[-2] == 0.0
     others = np.arange(b.local_size) != b.local_size - 2
@@ -104,7 +104,7 @@ def test_a_symmetric_contact_of_which_no_point_sticks():
 
 
 def test_a_first_contact_of_three_nodes_that_hardly_sticks(monkeypatch):
-    """Where all points slide the indenter is held where one sticks, which is on less than 1e-9 of its way there."""
+    """Where all points slide the indenter is fixed where one sticks, which is on less than 1e-9 of its way there."""
     scene = {"solid.E0": 210e9, "solid.k": -0.716, "solid.nu": -0.081, "solid.y0_over_a0": 10.0, "indenter.R": 0.1}
     load = {"load.P": 1e6, "load.mu": 0.0446, "load.amplitude": 0.65, "effects.friction_in_normal_stage": True}
     monkeypatch.setattr(Plan, "pressing_with_friction", None)  # as if a(P) were not known

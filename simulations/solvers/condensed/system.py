@@ -99,11 +99,11 @@ class CondensedSystem(System):
             self.dense.factorise(tangent)
             self._removed = np.concatenate([-(tangent @ self._offset), np.zeros(len(self._rigid))])
 
-    def solve(self, b, x, held=False):
-        """x = J^-1 b; nan where the cylinder is free to move (every point slips) and not held."""
+    def solve(self, b, x, fixed=False):
+        """x = J^-1 b; nan where the indenter is free to move (every point slips) and not fixed."""
         if self._is_root:
             right = b.array_r + self._removed
-            x.array[:] = self.dense.solve_held(right) if held else self.dense.solve(right, abs(self._load[Y]))
+            x.array[:] = self.dense.solve_fixed(right) if fixed else self.dense.solve(right, abs(self._load[Y]))
         self._offset[:] = 0.0
         self._has_offset = False
 

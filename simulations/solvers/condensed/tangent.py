@@ -110,12 +110,12 @@ class DenseTangent:
         self._singular = defect > SOLVED
         return np.full_like(b, np.nan) if self._singular else x
 
-    def solve_held(self, b: np.ndarray) -> np.ndarray:
+    def solve_fixed(self, b: np.ndarray) -> np.ndarray:
         """The same without the first of the translations, and whatever the sum of the forces along it."""
-        held = self._size
-        matrix = np.vstack([self._full_rows(self._tangent, np.arange(held)), self._sums])
-        matrix[held], matrix[held, held], right = 0.0, 1.0, b.copy()
-        right[held] = 0.0
+        row = self._size
+        matrix = np.vstack([self._full_rows(self._tangent, np.arange(row)), self._sums])
+        matrix[row], matrix[row, row], right = 0.0, 1.0, b.copy()
+        right[row] = 0.0
         *_, x, singular = lapack.dgesv(matrix, right)
         return np.full_like(b, np.nan) if singular else x
 
