@@ -31,7 +31,7 @@ class Grading:
 
     edges: positions where pressure or traction end like a root, graded down to ``edge_facet``; sweeps: intervals
     (from, to, facet length) over which such an edge moves, or places (x, x, facet length) where it stops;
-    facet: largest facet under the cylinder; growth, layer_growth: ratio of neighbouring columns, layers;
+    facet: largest facet under the indenter; growth, layer_growth: ratio of neighbouring columns, layers;
     first_layer: height of the surface cells, less for k > 0; extent: half-width and depth of the domain; edge_at: where
     in its facet an edge or a stop lies, from 0 at the inner end to 1; -1: anywhere; unknown: why edges were not found.
     """

@@ -19,7 +19,7 @@ BAND = 0.01  # of the contact's width: a narrower band of slip within a stick zo
 
 @dataclass(frozen=True)
 class SurfaceState:
-    """Nodal values (n,) on the strip under the cylinder, sorted by x, equal on every rank, dimensionless.
+    """Nodal values (n,) on the strip under the indenter, sorted by x, equal on every rank, dimensionless.
 
     weight is the length of surface that belongs to a node: sum(weight * pressure) is the line load P.
     """

@@ -1,7 +1,7 @@
 """Accuracy by one number: cell sizes from one family, whose errors were measured (``accuracy.csv``, by
 ``simulations.studies.cost``).
 
-The family has one parameter, the fineness t: facets under the cylinder are 0.025 t half-widths, all else follows. Its
+The family has one parameter, the fineness t: facets under the indenter are 0.025 t half-widths, all else follows. Its
 errors are the largest of those of p, q and slip (L2 over the contact, of every state of a cycle), and of a, c and the
 energy of the cycle at its end. Under a single load without friction those of the end count, which are smaller. Coupled
 loops have lines of their own, as their edges turn at more places.

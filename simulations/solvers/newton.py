@@ -1,7 +1,7 @@
 """Newton's method for a contact problem: PETSc SNES around one of two ways to solve a step.
 
 ``full.FullSystem`` has every displacement as unknown, ``condensed.CondensedSystem`` the contact forces alone. Both
-carry the rigid displacements of the cylinder and linearise the same forms. Options are open on the command
+carry the rigid displacements of the indenter and linearise the same forms. Options are open on the command
 line under the prefix ``fretting_``.
 """
 
