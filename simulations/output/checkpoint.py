@@ -67,9 +67,8 @@ class Checkpoint:
 
     def save(self, entry: Entry):
         """Keep the state just reached, and the memory that goes with it."""
-        simulation = self.simulation
-        solver = simulation.solver
-        kept = present_state.gather(solver.system, simulation.numbering) | solver.save()
+        simulation, stepping = self.simulation, self.simulation.stepping
+        kept = present_state.gather(stepping.system, simulation.numbering) | stepping.save()
         if simulation.body.mesh.comm.rank > 0:
             return
         self._folder.mkdir(exist_ok=True)
@@ -168,16 +167,16 @@ def restore(saved: Saved, simulation: Simulation):
     simulation.resumed = saved.resumed
     if saved.states is None or saved.memory is None or saved.seconds is None:
         return
-    sampler, solver, done = simulation.sampler, simulation.solver, simulation.schedule[: len(saved.states)]
+    sampler, stepping, done = simulation.sampler, simulation.stepping, simulation.schedule[: len(saved.states)]
     for step, row, changes in zip(done, saved.states, saved.changes, strict=True):
         surface = SurfaceState(sampler.x, sampler.weight, mu=sampler.mu, **{name: row[name].copy() for name in SURFACE})
         iterations, residual, tolerance = int(row["iterations"]), float(row["residual"]), float(row["tolerance"])
         result = NewtonResult(True, iterations, residual, "", tolerance, changes)
         outcome = Outcome(step, (result,), int(row["cuts"]), float(row["unsettled"]))
         simulation.history.append(outcome, surface, float(row["seconds"]))
-    solver.skip(done)
-    present_state.scatter(solver.system, saved.memory, simulation.numbering)
-    solver.restore(saved.memory)
+    stepping.skip(done)
+    present_state.scatter(stepping.system, saved.memory, simulation.numbering)
+    stepping.restore(saved.memory)
     simulation.watch.go_on(saved.seconds)
 
 

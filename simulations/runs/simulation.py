@@ -77,7 +77,7 @@ class Simulation(Plan):
                 self._take_over(shared)
             normal, frictional = self._problems()
         pressing, indenter = self.pressing_with_friction, self.scaled.indenter
-        self.solver = LoadStepping(
+        self.stepping = LoadStepping(
             normal,
             frictional,
             self._system,
@@ -172,18 +172,18 @@ class Simulation(Plan):
 
     def run(self) -> Iterator[Entry]:
         """Solve load step after load step, from where the history ends; SolveError where one fails."""
-        outcomes = self.solver.run(self.schedule, len(self.history.entries))
+        outcomes = self.stepping.run(self.schedule, len(self.history.entries))
         while True:
             try:
                 with self.watch("solve"):
                     outcome = next(outcomes, None)
             except SolveError as error:
-                cause = why_no_answer(self) if self.solver.problem.friction else limits.too_stiff(self.scene)
+                cause = why_no_answer(self) if self.stepping.problem.friction else limits.too_stiff(self.scene)
                 raise SolveError("; ".join(filter(None, (failure_in_si(self, error), cause)))) from None
             freeing.between_steps(self.body)
             if outcome is None:
                 return
-            state = self.sampler.sample(self.solver.problem)
+            state = self.sampler.sample(self.stepping.problem)
             if state.pressure[0] > 0 or state.pressure[-1] > 0:
                 raise SolveError(failure_in_si(self, limits.too_wide(self.scene, self.cells.strip)))
             yield self.history.append(outcome, state, self.watch.last)
@@ -212,7 +212,7 @@ class Simulation(Plan):
         return SurfaceCompliance(self.body)
 
     def _zigzag(self) -> float:
-        return largest_zigzag(self.sampler.sample(self.solver.problem)) / ZIGZAGS
+        return largest_zigzag(self.sampler.sample(self.stepping.problem)) / ZIGZAGS
 
     def _exponents(self, k):
         """Of tractions at edges where coupling changes them, see ``History``; k: beside these edges."""

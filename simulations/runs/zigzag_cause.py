@@ -17,7 +17,7 @@ def critical_of_mesh(simulation: Simulation) -> float | None:
     inf where none is known; None without coupling, without the condensed system, for too many nodes in contact, and
     on other ranks.
     """
-    system = simulation.solver.system
+    system = simulation.stepping.system
     if simulation.body.mesh.comm.rank:
         return None
     closed = simulation.history.entries[-1].surface.pressure > 0

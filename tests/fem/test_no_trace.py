@@ -21,19 +21,19 @@ def constants(form):
 
 
 def test_friction():
-    solver = coarse_simulation().solver
-    with_friction = solver.frictional
-    without = coarse_simulation(INDENTATION).solver.normal
+    stepping = coarse_simulation().stepping
+    with_friction = stepping.frictional
+    without = coarse_simulation(INDENTATION).stepping.normal
     assert FRICTION <= fields(with_friction.terms)
-    assert not FRICTION & fields(without.terms) and not FRICTION & fields(solver.normal.terms)
+    assert not FRICTION & fields(without.terms) and not FRICTION & fields(stepping.normal.terms)
     assert constants(without.terms.forces_form) < constants(with_friction.terms.forces_form)
     assert len(without.terms.resultant_forms) == 1 and len(with_friction.terms.resultant_forms) == 2
 
 
 def test_coupling():
     """Uncoupled, the tangential forms hold a pressure instead of computing one."""
-    coupled = coarse_simulation().solver.frictional
-    uncoupled = coarse_simulation(effects__coupling="false", solid__nu=0.3).solver.frictional
+    coupled = coarse_simulation().stepping.frictional
+    uncoupled = coarse_simulation(effects__coupling="false", solid__nu=0.3).stepping.frictional
     assert "pressure" in fields(uncoupled.terms) and "pressure" not in fields(coupled.terms)
     assert len(uncoupled.terms.resultant_forms) == 1 and len(coupled.terms.resultant_forms) == 2
 

@@ -149,7 +149,7 @@ def test_two_steps_of_strong_coupling_do_as_eight():
     many = run(STRONG, 8, **facet)
     few = run(STRONG, 2, many.cells, **facet)
     alike = Simulation(MPI.COMM_SELF, few.scene, many.cells)  # one r for all
-    alike.solver = LoadStepping(alike.solver.normal, alike.solver.frictional, alike._system)
+    alike.stepping = LoadStepping(alike.stepping.normal, alike.stepping.frictional, alike._system)
     alike.run_to_end()
     for name in ("pressure", "traction"):
         assert apart(few, many, name) < 8e-3
@@ -323,5 +323,5 @@ def test_a_look_at_the_clearance_moves_nothing():
     for entry in simulation.run():
         before = simulation.body.state.x.array.copy()
         if entry.step.branch != "normal":
-            assert np.any(simulation.solver._clearance() > 0)
+            assert np.any(simulation.stepping._clearance() > 0)
         assert np.array_equal(simulation.body.state.x.array, before), entry.number

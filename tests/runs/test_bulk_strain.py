@@ -25,7 +25,7 @@ STRAIN = 4e-4  # two thirds of the largest of the closed form at k = 0, 0.9 μP
 def test_no_trace_without_it():
     """No field, no constant and no key."""
     without, with_strain = coarse_simulation(), coarse_simulation(load__bulk_strain=1e-4)
-    forms = [simulation.solver.frictional.terms.forces_form.ufcx_form for simulation in (without, with_strain)]
+    forms = [simulation.stepping.frictional.terms.forces_form.ufcx_form for simulation in (without, with_strain)]
     assert forms[0].num_constants == forms[1].num_constants - 1
     assert without.body.strain is None and without.body.unknowns <= with_strain.body.unknowns
     assert "bulk" not in without.scene.to_toml()

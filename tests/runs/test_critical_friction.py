@@ -60,13 +60,13 @@ def test_a_run_without_an_answer_says_so_where_rates_are_not_unique(monkeypatch,
     """And where there is friction in the load step: while the cylinder is pressed on there is none."""
     simulation = coarse_simulation(**COUPLED, load__mu=mu)
     if rubs:
-        simulation.solver.problem = simulation.solver.frictional
+        simulation.stepping.problem = simulation.stepping.frictional
 
     def fail(*_):
         raise SolveError("no equilibrium")
         yield
 
-    monkeypatch.setattr(simulation.solver, "run", fail)
+    monkeypatch.setattr(simulation.stepping, "run", fail)
     with pytest.raises(SolveError) as failure:
         simulation.run_to_end()
     said = str(failure.value).partition("): ")[2]

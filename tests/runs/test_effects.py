@@ -88,8 +88,8 @@ def test_half_a_domain_gives_the_whole_contact(method):
 
 def test_frictionless_scene_leaves_no_trace_of_friction(tmp_path):
     simulation = coarse_simulation(INDENTATION)
-    problem = simulation.solver.problem
-    assert simulation.solver.frictional is None
+    problem = simulation.stepping.problem
+    assert simulation.stepping.frictional is None
     assert problem.directions == (Y,) and problem.memory is None and problem.safeguards is None
     done = run_command(*coarse_arguments(tmp_path), module="simulations.indentation")
     assert done.returncode == 0, done.stderr

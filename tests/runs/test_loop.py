@@ -39,7 +39,7 @@ def test_both_methods_give_the_same_loop(condensed):
 
 def test_fields_are_in_equilibrium_after_condensation(condensed):
     """The recovered displacement field satisfies the full problem, whose residual the condensed solve never formed."""
-    problem = condensed.solver.problem
+    problem = condensed.stepping.problem
     force, imbalance = problem.terms.residual(condensed.schedule[-1].load)
     P = condensed.schedule[-1].P
     assert force.norm() < 1e-8 * P
@@ -73,7 +73,7 @@ def test_a_state_out_of_balance_is_not_accepted(method):
     simulation = coarse_simulation(solver__method=method)
     entry = next(simulation.run())
     load, body = entry.step.load, simulation.body
-    newton, problem = simulation.solver._newton, simulation.solver.problem
+    newton, problem = simulation.stepping._newton, simulation.stepping.problem
     assert newton.balance(load).converged
     nodes = simulation.body.surface_nodes.owned
     x = body.displacements.tabulate_dof_coordinates()[nodes, 0]
@@ -92,7 +92,7 @@ def test_a_state_out_of_balance_is_not_accepted(method):
 
 def test_forces_that_do_not_carry_the_load_are_not_accepted(monkeypatch):
     simulation = coarse_simulation()
-    load, newton = next(simulation.run()).step.load, simulation.solver._newton
+    load, newton = next(simulation.run()).step.load, simulation.stepping._newton
     residual = newton.system.residual
     monkeypatch.setattr(newton.system, "residual", lambda x, f: (residual(x, f)[0], 1e-6 * load.P))
     assert not newton.balance(load).converged
@@ -101,7 +101,7 @@ def test_forces_that_do_not_carry_the_load_are_not_accepted(monkeypatch):
 def test_an_end_by_a_rule_of_petsc_is_no_solution():
     """One linear step, after which SNES says that it has converged."""
     simulation = coarse_simulation()
-    load, newton = next(simulation.run()).step.load, simulation.solver._newton
+    load, newton = next(simulation.run()).step.load, simulation.stepping._newton
     newton.snes.setType("ksponly")
     assert not newton.solve(load._replace(P=load.P / 2)).converged and newton.snes.getConvergedReason() > 0
 
@@ -115,9 +115,8 @@ def test_repeated_increment_changes_nothing():
     states = simulation.run()
     for _ in range(3):
         entry = next(states)
-    solver = simulation.solver
     u = simulation.body.state.x.array.copy()
-    result = solver._newton.solve(entry.step.load)
+    result = simulation.stepping._newton.solve(entry.step.load)
     assert result.converged and result.iterations <= 1
     assert simulation.body.state.x.array == pytest.approx(u, abs=1e-8)
 

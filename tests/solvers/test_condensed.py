@@ -75,7 +75,7 @@ def test_dense_steps_reuse_what_they_know(monkeypatch):
         with monkeypatch.context() as patch:
             inverted, multiplied = (watched(patch, DenseTangent, name) for name in ("_invert", "_full_rows"))
             simulation = solved(solver__increments=6, solid__nu=0.3)  # with coupling, where edges move
-        dense = simulation.solver._newton.system.dense
+        dense = simulation.stepping._newton.system.dense
         assert [tangent for tangent, *_ in inverted].count(dense) == 1
         return sum(len(rows) for tangent, _, rows in multiplied if tangent is dense) - 2 * simulation.sampler.x.size
 

@@ -34,8 +34,8 @@ def test_it_leads_to_the_answer(method, coupling, wrong):
     """A single Newton step does not."""
     simulation = loaded_once(method, coupling)
     entry = simulation.history.entries[-1]
-    solver, load = simulation.solver._newton, entry.step.load
-    terms, answer = simulation.solver.problem.terms, solver.x.copy()
+    solver, load = simulation.stepping._newton, entry.step.load
+    terms, answer = simulation.stepping.problem.terms, solver.x.copy()
     forces = terms.contact_forces().copy()
     answer.copy(solver._best)
     unknowns, share = wrong
@@ -78,7 +78,7 @@ def test_where_all_points_slide_the_indenter_is_held(monkeypatch):
 @pytest.mark.parametrize("method", ["condensed", "full"])
 def test_a_held_indenter_does_not_move_aside(method):
     """All equations hold but that of Q, the last but one."""
-    newton = loaded_once(method).solver._newton
+    newton = loaded_once(method).stepping._newton
     system, x = newton.system, newton.x
     b, y = x.duplicate(), x.duplicate()
     b.array[:] = np.random.default_rng(1).standard_normal(b.local_size)
