@@ -11,7 +11,7 @@ import numpy as np
 from ..loading.stepping import SolveError
 from ..scene import Scene, SceneError, accuracy, make_scene
 from ..scene.effects import Effects
-from .checks import MORE_STEPS, Check
+from .checks import MORE_STEPS, Check, largest
 from .comparison import QUANTITIES, OfStates, compare_all, of_history
 from .coupled_loop import serves
 from .history import Entry, History
@@ -40,7 +40,7 @@ class Errors:
     @property
     def largest(self) -> float:
         """Of all."""
-        return _largest(self.last, self.worst)
+        return largest(map(abs, (*self.last.values(), *self.worst.values())))
 
     def plus(self, more: "Errors", names: set[str]) -> "Errors":
         """The sum of two estimates, of which the second counts for these quantities."""
@@ -61,16 +61,11 @@ class Errors:
     def summary(self) -> dict:
         """What summary.json says of them."""
         return {
-            "largest_error": _largest(self.last),
-            "largest_error_worst_state": _largest(self.worst),
+            "largest_error": largest(map(abs, self.last.values())),
+            "largest_error_worst_state": largest(map(abs, self.worst.values())),
             "is_estimate": self.is_estimate,
             "errors": self.last,
         }
-
-
-def _largest(*found: dict[str, float]) -> float:
-    """nan where one is, which the built-in ``max`` may pass over."""
-    return float(np.abs([error for errors in found for error in errors.values()]).max())
 
 
 def measured(exact: Comparison | None, wanted: float) -> Errors | None:
