@@ -72,15 +72,14 @@ def grades(scene: Scene, effects: Effects) -> bool:
     return scene.cell_sizes["edge_facet"] < FINE[1 if scene.k < STEEP else scene.mesh.degree]
 
 
-def loop_edges(
-    scene: Scene, scaled: Scaled, mu: float, effects: Effects, schedule: Sequence[LoadStep]
-) -> ExpectedEdges | None:
+def loop_edges(scene: Scene, scaled: Scaled, effects: Effects, schedule: Sequence[LoadStep]) -> ExpectedEdges | None:
     """Edges of contact and stick after the load steps of the first cycle that have a state; None where a turn has none.
 
     A stop of the contact costs q = mu p what it costs p; one of stick costs q alone.
     """
+    loads = tuple((step.P, step.Q) for step in schedule if step.cycle <= 1)
     try:
-        found = states_of(loop_of(scaled, mu, effects), tuple((step.P, step.Q) for step in schedule if step.cycle <= 1))
+        found = states_of(loop_of(scaled, scene.mu, effects), loads)
     except (RuntimeError, ValueError, ArithmeticError):
         return None
     states = [state for state in found if isinstance(state, CoupledState)]
@@ -97,7 +96,7 @@ def loop_edges(
         kink = TURNED if state.Q < before.Q else kink
         edges = (*state.contact, *state.stick)
         length = np.sqrt(state.weight)
-        share = share_of_limit(length * state.traction, length * state.pressure, mu)
+        share = share_of_limit(length * state.traction, length * state.pressure, scene.mu)
         if np.isclose(abs(state.Q), Q_A) or (scene.mesh.edges == "states" and _is_quarter(state.Q / Q_A)):
             ends = [*edges, *ends]  # the last first
         else:

@@ -119,7 +119,7 @@ class Plan:
             return rough_edges(scene, self.scaled, self.effects, loads)
         found = None
         if grades(scene, self.effects):
-            found = loop_edges(scene, self.scaled, self.mu, self.effects, self.schedule)
+            found = loop_edges(scene, self.scaled, self.effects, self.schedule)
         found = found or expected_edges(scene, self.scaled, self.loop, self.effects, self.schedule)
         exact = self.pressing_with_friction
         if exact and scene.is_loop and scene.k < 0:  # where contact ends steeply

@@ -130,7 +130,7 @@ def test_no_solution_leaves_the_rough_edges(monkeypatch):
     """Where points come into contact in stick up to the turn there is none; nor on large facets, which gain nothing."""
     asked = plan("solid.nu=-0.4", "load.mu=0.7", "solid.k=-0.3", "load.amplitude=0.3")
     assert grades(asked.scene, asked.effects)
-    assert coupled_loop.loop_edges(asked.scene, asked.scaled, asked.mu, asked.effects, asked.schedule) is None
+    assert coupled_loop.loop_edges(asked.scene, asked.scaled, asked.effects, asked.schedule) is None
     assert asked.grading().stops == ()
     coarse = plan("mesh.edge_facet=0.02")
     assert not grades(coarse.scene, coarse.effects)
