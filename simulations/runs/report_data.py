@@ -109,8 +109,8 @@ def checked_errors(
 ) -> dict[str, Check]:
     """What its errors beside a reference are checked for. c only in loops: elsewhere stick may have several zones."""
     last = simulation.history.entries[-1]
-    judged = simulation.scene.is_loop and simulation.history.friction
-    return checks.check_errors(errors, own, other.stick_half_width(last) / last.a if judged else 0.0)
+    stick = other.stick_half_width(last) / last.a if simulation.scene.is_loop else 0.0
+    return checks.check_errors(errors, own, stick)
 
 
 def summary(simulation: Simulation, findings: Findings | None, failure: str | None = None) -> dict:
