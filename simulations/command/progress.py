@@ -29,7 +29,7 @@ class Progress:
         self._live = not quiet and sys.stdout.isatty() and not any(name in os.environ for name in LAUNCHED)
 
     def begin(self, simulation: Simulation, afterwards: float = 0.0):
-        """The increments are about to begin; ``afterwards`` the seconds that are expected after the last of them."""
+        """The load steps are about to begin; ``afterwards`` the seconds that are expected after the last of them."""
         self.simulation, self._afterwards = simulation, afterwards + FILES
         self.total, self._first = len(simulation.schedule), len(simulation.history.entries)
         self._start = time.perf_counter()

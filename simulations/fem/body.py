@@ -108,7 +108,7 @@ class ElasticBody:
         return 2.0 if self.is_half else 1.0
 
     def complete(self):
-        """Bring the whole of ``state`` up to date; between increments only the strip is."""
+        """Bring the whole of ``state`` up to date; between load steps only the strip is."""
         if self.recover is not None:
             recover, self.recover = self.recover, None
             recover()

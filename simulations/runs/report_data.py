@@ -47,7 +47,7 @@ class Findings:
 def find(simulation: Simulation, tell: reference.Tell | None = None) -> Findings:
     """Solve or look up what a finished simulation is compared with, and compare. On one rank.
 
-    tell: called with the number of increments that the reference has done, and that of all.
+    tell: called with the number of load steps that the reference has done, and that of all.
     """
     scene = simulation.scene
     exact, why_none = None, ""

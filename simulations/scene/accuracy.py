@@ -27,7 +27,7 @@ MARGIN = 1.5  # loads and gradings between those measured; a and c are read betw
 @dataclass(frozen=True)
 class Measured:
     """One line of the table, with coupling or without, at grading ``k`` and fineness: the largest error of all states
-    (nan: not measured) and of the last one, and CPU seconds of a loop of 31 increments.
+    (nan: not measured) and of the last one, and CPU seconds of a loop of 31 load steps.
     """
 
     coupled: bool
