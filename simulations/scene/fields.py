@@ -161,7 +161,9 @@ StateNames = Annotated[
 Length = Annotated[Number, Unit("m"), Field(gt=0)]
 Stress = Annotated[Number, Unit("Pa"), Field(gt=0)]
 LineLoad = Annotated[Number, Unit("N/m"), Field(gt=0)]
-Ratio = Annotated[Number, Unit("–"), Field(gt=0)]
+Dimensionless = Annotated[Number, Unit("–")]
+Count = Annotated[Integer, Unit("–")]
+Ratio = Annotated[Dimensionless, Field(gt=0)]
 
 
 def alternatives(field: FieldInfo) -> Iterator[tuple[Any, list]]:

@@ -7,12 +7,10 @@ from pydantic import Field, create_model, model_validator
 
 from .accuracy import LARGEST
 from .errors import SceneError
-from .fields import Integer, Length, Number, Truth, Unit, is_number, plain
+from .fields import Count, Dimensionless, Length, Number, Truth, Unit, is_number, plain
 from .table import KINDS, Table, register
 
 HalfWidths = Annotated[Number, Unit("a")]
-Dimensionless = Annotated[Number, Unit("–")]
-Count = Annotated[Integer, Unit("–")]
 
 
 class Mesh(Table):

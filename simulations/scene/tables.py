@@ -9,14 +9,15 @@ from pydantic import Field, model_validator
 from analytic import GradedHalfPlane
 
 from .errors import SceneError, shown
-from .fields import FormulaText, Integer, Length, LineLoad, Moduli, Number, Points, Ratio, Stress, Unit, Word, allowed
+from .fields import Count, Dimensionless, FormulaText, Length, LineLoad, Moduli, Number, Points, Ratio, Stress, Unit
+from .fields import Word, allowed
 from .table import Table, register
 
-Exponent = Annotated[Number, Unit("–"), Field(gt=-1, lt=1, description="exponent of E = E0 (y/y0)^k")]
+Exponent = Annotated[Dimensionless, Field(gt=-1, lt=1, description="exponent of E = E0 (y/y0)^k")]
 PoissonRatio = Annotated[
-    Number, Unit("–"), Word("holl"), Field(gt=-1, le=0.5, description='Poisson\'s ratio; `"holl"` is 1/(2+k)')
+    Dimensionless, Word("holl"), Field(gt=-1, le=0.5, description='Poisson\'s ratio; `"holl"` is 1/(2+k)')
 ]
-Friction = Annotated[Number, Unit("–"), Field(ge=1e-6, le=100, description="coefficient of friction")]
+Friction = Annotated[Dimensionless, Field(ge=1e-6, le=100, description="coefficient of friction")]
 OnSurface = Annotated[
     Stress, Field(description="on the surface for a homogeneous solid and for linear and exponential coatings")
 ]
@@ -175,7 +176,7 @@ class Power(Indenter):
 
     profile: Literal["power"] = "power"
     R: Length = Field(description="length of a power law")
-    exponent: Annotated[Number, Unit("–")] = Field(gt=1, le=20, description="m in f = R (|x|/R)^m / m")
+    exponent: Dimensionless = Field(gt=1, le=20, description="m in f = R (|x|/R)^m / m")
 
 
 class RoundedFlat(Indenter):
@@ -206,11 +207,9 @@ class Fretting(Load):
     beside: ClassVar[str] = "load.P"
     P: LineLoad = Field(description="normal line load")
     mu: Friction
-    amplitude: Annotated[Number, Unit("–")] = Field(ge=1e-6, lt=1, description="Q_A/(μ P)")
-    cycles: Annotated[Integer, Unit("–")] = Field(
-        default=1, ge=0, le=1000, description="to −Q_A and back; 0 stops at +Q_A"
-    )
-    bulk_strain: Annotated[Number, Unit("–"), Field(ge=-0.1, le=0.1)] | None = Field(
+    amplitude: Dimensionless = Field(ge=1e-6, lt=1, description="Q_A/(μ P)")
+    cycles: Count = Field(default=1, ge=0, le=1000, description="to −Q_A and back; 0 stops at +Q_A")
+    bulk_strain: Annotated[Dimensionless, Field(ge=-0.1, le=0.1)] | None = Field(
         default=None,
         description="amplitude of a uniform strain of the body along x, tension > 0: [bulk_strain.md](bulk_strain.md)",
     )
