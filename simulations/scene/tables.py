@@ -21,6 +21,7 @@ Friction = Annotated[Dimensionless, Field(ge=1e-6, le=100, description="coeffici
 OnSurface = Annotated[
     Stress, Field(description="on the surface for a homogeneous solid and for linear and exponential coatings")
 ]
+Substrate = Annotated[Stress, Field(description="modulus below a linear or exponential coating")]
 AtDepth = Annotated[Stress, Field(description="modulus at depth y0")]
 Y0 = Annotated[Length | None, Field(description="depth at which E is E0")]
 Y0Ratio = Annotated[
@@ -29,6 +30,7 @@ Y0Ratio = Annotated[
 ]
 Thickness = Annotated[Length | None, Field(description="of a coating")]
 ThicknessRatio = Annotated[Ratio | None, Field(description="the same over a0")]
+Radius = Annotated[Length, Field(description="radius")]
 ONE_OF_TWO = (("y0", "y0_over_a0"), ("thickness", "thickness_over_a0"))  # a length, and its ratio to a0
 
 
@@ -102,7 +104,7 @@ class LinearCoating(Solid):
 
     modulus: Literal["linear"] = "linear"
     E0: OnSurface
-    E_substrate: Stress = Field(description="modulus below a linear or exponential coating")
+    E_substrate: Substrate
     nu: PoissonRatio
     thickness: Thickness = None
     thickness_over_a0: ThicknessRatio = None
@@ -113,7 +115,7 @@ class ExponentialCoating(Solid):
 
     modulus: Literal["exponential"] = "exponential"
     E0: OnSurface
-    E_substrate: Stress = Field(description="modulus below a linear or exponential coating")
+    E_substrate: Substrate
     nu: PoissonRatio
     thickness: Thickness = None
     thickness_over_a0: ThicknessRatio = None
@@ -161,14 +163,14 @@ class Parabola(Indenter):
     """f = x²/(2 R)."""
 
     profile: Literal["parabola"] = Field(default="parabola", description="shape f(x) of the rigid indenter")
-    R: Length = Field(description="radius")
+    R: Radius
 
 
 class Circle(Indenter):
     """f = R - sqrt(R² - x²)."""
 
     profile: Literal["circle"] = "circle"
-    R: Length = Field(description="radius")
+    R: Radius
 
 
 class Power(Indenter):
@@ -183,7 +185,7 @@ class RoundedFlat(Indenter):
     """f = 0 for |x| < flat, (|x| - flat)²/(2 R) beyond."""
 
     profile: Literal["rounded flat"] = "rounded flat"
-    R: Length = Field(description="radius")
+    R: Radius
     flat: Length = Field(description="half-width of the flat of a rounded flat punch")
 
 
