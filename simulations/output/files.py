@@ -160,7 +160,7 @@ def write_surface(path: Path, history: History, scales: Scales, times: np.ndarra
         "load_parameter": times[: len(entries)],
         "pressure": np.stack([s.pressure for s in surfaces]) * scales.stress,
         "gap": np.stack([profile + s.approach for s in surfaces]) * scales.displacement,
-        "contact_state": np.stack([history.contact_states(e) for e in entries]).astype(np.uint8),
+        "contact_state": np.stack([e.contact_states for e in entries]).astype(np.uint8),
         **_of("P", loads),
     }
     if history.friction:

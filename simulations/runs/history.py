@@ -62,6 +62,11 @@ class Entry:
         """Edges of the stick zone, (1, 2); (0, 2) where every point slips."""
         return np.array([self.stick]) if np.isfinite(self.stick[0]) else np.empty((0, 2))
 
+    @property
+    def contact_states(self) -> np.ndarray:
+        """SEPARATED, STICK or SLIP at each node (n,). Without friction what is in contact counts as STICK."""
+        return np.where(self.surface.pressure > 0, np.where(self.surface.slides != 0, SLIP, STICK), SEPARATED)
+
     def pressure_at(self, x) -> np.ndarray:
         """p at x, between nodes interpolated."""
         return np.interp(x, self.surface.x, self.surface.pressure)
@@ -185,10 +190,6 @@ class History:
     def _full_cycles(self) -> int:
         """How many cycles have come to their end, the state A."""
         return max((entry.step.cycle for entry in self.entries if entry.step.state == "A"), default=0)
-
-    def contact_states(self, entry: Entry) -> np.ndarray:
-        """SEPARATED, STICK or SLIP at each node (n,). Without friction what is in contact counts as STICK."""
-        return np.where(entry.surface.pressure > 0, np.where(entry.surface.slides != 0, SLIP, STICK), SEPARATED)
 
     @property
     def work(self) -> np.ndarray:
