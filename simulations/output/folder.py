@@ -259,13 +259,13 @@ def _state_files(folder):
 def _is_of_a_run(path: Path) -> bool:
     """Whether a run wrote this scene.toml, and nobody has changed it."""
     try:
-        lines = path.read_text(encoding="utf-8").splitlines(keepends=True)
+        written = path.read_text(encoding="utf-8").splitlines(keepends=True)
     except (OSError, UnicodeDecodeError):
         return False
-    if not lines or not lines[0].startswith(HEADER):
+    if not written or not written[0].startswith(HEADER):
         return False
-    kept = [line.removeprefix(CHECKSUM).strip() for line in lines if line.startswith(CHECKSUM)]
-    return kept == [_checksum("".join(line for line in lines if not line.startswith("# ")))]
+    kept = [line.removeprefix(CHECKSUM).strip() for line in written if line.startswith(CHECKSUM)]
+    return kept == [_checksum("".join(line for line in written if not line.startswith("# ")))]
 
 
 def _checksum(text: str) -> str:

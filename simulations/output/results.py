@@ -12,8 +12,7 @@ from ..runs import report_data
 from ..runs.checks import Check, describe, hold
 from ..runs.history import Entry
 from ..runs.simulation import Simulation
-from . import checkpoint
-from . import files as output
+from . import checkpoint, files
 from .checkpoint import Checkpoint
 from .fields import FieldWriter
 from .folder import versions
@@ -66,7 +65,7 @@ class Results:
         """
         if self.summary.get("converged"):
             return  # it has reached its end: what says so is written, or about to be
-        if output.writing.acquire(timeout=LONGEST_WRITE):  # else the disk does not answer
+        if files.writing.acquire(timeout=LONGEST_WRITE):  # else the disk does not answer
             self._write_failed(failure)
 
     def _write_failed(self, failure: str):
@@ -75,7 +74,7 @@ class Results:
             if self.simulation.history.entries:
                 self._write_tables()
             self.summary = report_data.summary(self.simulation, None, failure) | {"versions": versions()}
-            output.write_summary(self.folder / "summary.json", self.summary)
+            files.write_summary(self.folder / "summary.json", self.summary)
 
     def _everywhere(self, write: Callable[[], None]):
         """``write``, in which rank 0 may fail: OutputError on every rank."""
@@ -87,7 +86,7 @@ class Results:
             failure = f"{self.folder} cannot be written: {error.strerror or error}{again}"
         failure = self.comm.bcast(failure)
         if failure:
-            raise output.OutputError(failure)
+            raise files.OutputError(failure)
 
     def _on_root(self, write: Callable[[], None]):
         """The same of what rank 0 alone writes."""
@@ -101,8 +100,8 @@ class Results:
     def _write_tables(self):
         history = self.simulation.history
         times, height = self._fields.times, self.simulation.scaled.indenter.height
-        output.write_history(self.folder / "history.csv", history, self.scales, times)
-        output.write_surface(self.folder / "surface.h5", history, self.scales, times, height)
+        files.write_history(self.folder / "history.csv", history, self.scales, times)
+        files.write_surface(self.folder / "surface.h5", history, self.scales, times, height)
         self._fields.write_series(len(history.entries))
         self._written = time.monotonic()
 
@@ -150,7 +149,7 @@ class Results:
         found = self._findings.checks
         self.failing = "" if hold(found) else describe(found)
         self.summary = report_data.summary(self.simulation, self._findings) | {"versions": versions()} | more
-        output.write_summary(self.folder / "summary.json", self.summary)
+        files.write_summary(self.folder / "summary.json", self.summary)
 
     def _plot(self):
         findings = self._findings

@@ -103,11 +103,11 @@ class History:
         """Add the state that ``outcome`` ended with."""
         step, s = outcome.step, surface.relative_displacement
         ends = surface.slides[np.flatnonzero(surface.pressure > 0)[[0, -1]]]  # they differ while P changes
-        x_l, x_r = (self._exponents(s or step.direction)[i] for i, s in zip((0, -1), ends))
+        x_l, x_r = (self._exponents(sign or step.direction)[i] for i, sign in zip((0, -1), ends))
         contact = fitted_contact_edges(surface, (x_l, x_r))
         stick, own_work = contact, np.zeros_like(s)
         if self.friction and np.any(surface.traction):
-            left, right = fitted_stick_edges(surface, step.direction, lambda s: self._exponents(s)[1:3])
+            left, right = fitted_stick_edges(surface, step.direction, lambda sign: self._exponents(sign)[1:3])
             stick = max(left, contact[0]), min(right, contact[1])  # each is fitted by itself
         if self.friction:
             own_work = self._own_work(step, surface, contact)
