@@ -1,6 +1,7 @@
 """Figures of a page about a run, drawn from the files of its folder: surface, friction loop, body, convergence."""
 
 import io
+from math import ceil
 from pathlib import Path
 
 import h5py
@@ -35,7 +36,7 @@ def surface(folder: Path, rows: list[dict]) -> bytes | None:
     panels += [("traction", "traction q", "Pa"), ("slip", "slip", "m")] * ("traction" in data)
     columns, extra = 3, 2 * ("traction" in data) + (DENSITY in data)
     with style():
-        lines = -(-(len(panels) + extra) // columns)
+        lines = ceil((len(panels) + extra) / columns)
         size = (WIDTH, 3.1 * lines + 0.3)
         figure, axes = plt.subplots(lines, columns, figsize=size, layout="constrained", squeeze=False)
         free = list(axes.flat)
@@ -60,7 +61,7 @@ def body(states: list[BodyState], rows: list[dict]) -> bytes:
     """Von Mises stress below the contact at the states; rows: those of history.csv."""
     a = half_width(rows)
     with style():
-        lines = -(-len(states) // 3)
+        lines = ceil(len(states) / 3)
         size = (WIDTH, 2.1 * lines + 0.4)
         figure, axes = plt.subplots(lines, 3, figsize=size, layout="constrained", squeeze=False)
         fill(figure, axes, states, a, scale=max(inside(state, a).max() for state in states))

@@ -105,7 +105,7 @@ def steps_for_one(simulation: Simulation) -> int:
     """Load steps of the reference for one of the simulation."""
     scene = simulation.scene
     least = MANY_STEPS if needs_many_steps(simulation) else STEPS_TO_POINT * scene.is_path
-    return max(FINER, -(-least // scene.solver.increments))
+    return max(FINER, ceil(least / scene.solver.increments))
 
 
 def needs_many_steps(simulation: Simulation) -> bool:
