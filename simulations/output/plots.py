@@ -24,7 +24,7 @@ CONSTANT = 0.999  # of the largest normal load: a smaller one is another load
 WORST = {"marker": "o", "ms": 9, "mfc": "none", "mec": "k", "mew": 1.0, "ls": "none"}  # a ring around the worst node
 
 
-def plot_run(path: Path, title: str, simulation: Simulation, lines: dict[str, Reference], failing: Sequence[str] = ()):
+def plot_run(path: Path, simulation: Simulation, lines: dict[str, Reference], failing: Sequence[str] = ()):
     """PNG of the last state's pressure and, with friction, of traction and slip of the named states of the last cycle,
     of the frictional work w, and of the loop.
 
@@ -41,7 +41,7 @@ def plot_run(path: Path, title: str, simulation: Simulation, lines: dict[str, Re
         for axis in axes.flat:  # few enough tick labels to stay apart
             axis.xaxis.set_major_locator(MaxNLocator(7, steps=[1, 2, 5, 10]))
         space = "\n " if failing else ""  # for the red line
-        words = f"{title}\n{in_words(simulation.scene)}{space}"
+        words = f"{simulation.scene.title}\n{in_words(simulation.scene)}{space}"
         heading = figure.suptitle(words, wrap=True, parse_math=False, fontsize=11)
         _pressure(axes[0, 0], simulation, lines)
         if history.friction:

@@ -158,4 +158,4 @@ class Results:
             label = f"closed form of another problem (no {', no '.join(findings.neglecting.without)})"
             lines[label] = findings.neglecting.other
         failing = [name for name, one in findings.checks.items() if not one.holds and one.cause != NOT_JUDGED]
-        plot_run(self.folder / "fretting.png", self.simulation.scene.title, self.simulation, lines, failing)
+        plot_run(self.folder / "fretting.png", self.simulation, lines, failing)

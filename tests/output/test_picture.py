@@ -81,8 +81,8 @@ COATED = dict.fromkeys(("solid.k", "solid.y0_over_a0", "load.mu", "load.amplitud
 @pytest.mark.parametrize("changes", [SMALL, COATED], ids=["small amplitude", "coated"])
 def test_the_whole_picture_is_within_its_edges(changes, tmp_path, drawn):
     """And no title lies on a panel's."""
-    simulation = simulated(COARSE | changes)
-    plots.plot_run(tmp_path / "none.png", "A long title. " * 12, simulation, {})
+    simulation = simulated(COARSE | changes | {"title": "A long title. " * 12})
+    plots.plot_run(tmp_path / "none.png", simulation, {})
     (figure,) = drawn
     figure.draw_without_rendering()
     inside, edges = figure.get_tightbbox(), figure.bbox_inches
@@ -119,7 +119,7 @@ def test_a_panel_with_the_line_of_another_problem_alone_says_so(changes, said, t
 def test_the_unit_of_length_of_a_coated_contact_is_told(tmp_path, drawn):
     """It is the half-width of a contact on the modulus at that depth, and not on that of the surface."""
     simulation = simulated(COARSE | COATED)
-    plots.plot_run(tmp_path / "none.png", "", simulation, {})
+    plots.plot_run(tmp_path / "none.png", simulation, {})
     scene = simulation.scene
     a, E = scene.half_width, modulus_at(scene.material, scene.half_width)
     assert a == pytest.approx((4 * (1 - 0.3**2) * scene.P * 0.1 / (pi * E)) ** 0.5, rel=1e-5)
