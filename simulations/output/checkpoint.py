@@ -30,7 +30,7 @@ from ..version import __version__
 from .fields import first_lost
 from .files import on_disk
 
-FOLDER, SCENE = "checkpoint", "scene.toml"
+FOLDER, STATES, MEMORY, SCENE = "checkpoint", "states.bin", "memory.npz", "scene.toml"
 AGAIN = "start again, in another folder or with --overwrite"
 SURFACE = ("pressure", "traction", "u", "delta", "neglected", "elastic")  # of a SurfaceState
 SCALARS = ("iterations", "cuts", "unsettled", "residual", "seconds", "tolerance")
@@ -77,13 +77,13 @@ class Checkpoint:
         self._checksums += [zlib.crc32(_row(e)) for e in entries[len(self._checksums) : -1]]  # of an earlier part
         row = _row(entry)
         self._checksums.append(zlib.crc32(row))
-        descriptor = os.open(self._folder / "states.bin", os.O_RDWR | os.O_CREAT, 0o666)
+        descriptor = os.open(self._folder / STATES, os.O_RDWR | os.O_CREAT, 0o666)
         with os.fdopen(descriptor, "r+b") as file:
             file.seek((number - 1) * len(row))
             file.write(row)
             file.flush()
             os.fsync(descriptor)
-        with on_disk(self._folder / "memory.npz") as partial:
+        with on_disk(self._folder / MEMORY) as partial:
             partial.write_bytes(self._packed(number, surface.x.size, kept))
 
     def _packed(self, number, n, kept):
@@ -106,7 +106,7 @@ class Checkpoint:
 
 def remove(folder: Path):
     """Take away the checkpoint of the run in ``folder``, if there is one: first what makes it count."""
-    (folder / FOLDER / "memory.npz").unlink(missing_ok=True)
+    (folder / FOLDER / MEMORY).unlink(missing_ok=True)
     if (folder / FOLDER).exists():
         shutil.rmtree(folder / FOLDER)
 
@@ -114,25 +114,25 @@ def remove(folder: Path):
 def load(folder: Path) -> Saved:
     """The run in ``folder``, which may have no checkpoint yet. SceneError where none is or it does not fit."""
     scene = read_scene(folder)
-    if not (folder / FOLDER / "memory.npz").exists():
+    if not (folder / FOLDER / MEMORY).exists():
         return Saved(resumed=1)
     try:
-        content = io.BytesIO((folder / FOLDER / "memory.npz").read_bytes())  # numpy leaves a damaged file open
+        content = io.BytesIO((folder / FOLDER / MEMORY).read_bytes())  # numpy leaves a damaged file open
         with np.load(content, allow_pickle=False) as archive:
             kept = dict(archive)
         version = str(kept.get("version", "before 0.1"))
         if version != __version__:
             raise _refusal(folder, f"graded-fretting {version} made it, and this is {__version__}")
         number, n, resumed = map(int, kept["number"])
-        states = np.fromfile(folder / FOLDER / "states.bin", record(n), count=number)
+        states = np.fromfile(folder / FOLDER / STATES, record(n), count=number)
         changes = tuple(map(tuple, json.loads(str(kept["changes"]))))
         checksums = kept["checksums"].tolist()
     except (OSError, ValueError, KeyError, EOFError, TypeError, zipfile.BadZipFile) as error:
         raise _refusal(folder, str(error)) from None
     if len(states) != number:
-        raise _refusal(folder, "states.bin is too short")
+        raise _refusal(folder, f"{STATES} is too short")
     if checksums != [zlib.crc32(row.tobytes()) for row in states] or len(changes) != number:
-        raise _refusal(folder, "states.bin is not as it was written")
+        raise _refusal(folder, f"{STATES} is not as it was written")
     if str(kept["scene"]) != scene.to_toml():
         raise SceneError(f"--resume {folder}: {SCENE} is not the scene of the checkpoint; it was changed afterwards")
     lost = first_lost(folder, Plan(scene, Stopwatch()).schedule, scene.output, number)
@@ -182,7 +182,7 @@ def restore(saved: Saved, simulation: Simulation):
 
 def is_complete(folder: Path) -> bool:
     """Whether the run in ``folder`` reached its end."""
-    return bool(read_summary(folder).get("converged")) and not (folder / FOLDER / "memory.npz").exists()
+    return bool(read_summary(folder).get("converged")) and not (folder / FOLDER / MEMORY).exists()
 
 
 def failing_checks(folder: Path) -> list[str]:

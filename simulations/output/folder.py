@@ -83,7 +83,7 @@ def _claim(held: ExitStack, folder: Path, scene_file: Path | None, overwrite: bo
     held.callback(locked(folder, "--resume" if resume else "--output").release)
     if not resume:
         _refuse(folder, scene_file, overwrite, of_sweep)
-    own = (*FILES, lines.NAME, "memory.npz")
+    own = (*FILES, lines.NAME, checkpoint.MEMORY)
     for path in (folder, *(folder / name for name in FOLDERS)):
         for partial in path.glob("part.*"):
             if partial.name.removeprefix("part.") in own or path.name == field_index.FOLDER:
