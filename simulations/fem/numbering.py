@@ -42,7 +42,7 @@ class Numbering:
         local[index] = whole[place]
 
     def gather_field(self, field: fem.Function) -> np.ndarray | None:
-        """``gather`` of the unknowns; (columns, d + 1, d + 1) of a field of the surface points, nan off the strip."""
+        """``gather`` of the unknowns; (c - 1, d + 1, d + 1) of a field of the surface points, nan off the strip."""
         if not self._is_of_points(field):
             return self.gather(field.x.array)
         nodes = self.body.degree + 1

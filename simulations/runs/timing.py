@@ -8,13 +8,15 @@ from contextlib import contextmanager
 class Stopwatch:
     """Adds up the wall seconds of named phases:  ``with watch("solve"): ...``.
 
-    tell: called with a phase's name when it begins, and with its name and seconds when it ends.
+    tell: called with a phase's name when it begins, and with its name and seconds when it ends. last: seconds of the
+    phase that ended last, those inside it included.
     """
 
     def __init__(self, tell: Callable[[str, float | None], None] | None = None):
         self._tell = tell
         self.seconds: dict[str, float] = {}
-        self.last = self._inside = 0.0  # seconds of phases inside the present one
+        self.last = 0.0
+        self._inside = 0.0  # seconds of phases inside the present one
         self._start = time.perf_counter()
 
     @contextmanager
