@@ -6,10 +6,10 @@ import numpy as np
 
 from ..fem.body_sample import BodySample, BodySampler
 from ..fem.lagrange import gauss
-from ..fem.numbering import Numbering, with_nodes_between
+from ..fem.numbering import with_nodes_between
 from ..loading.schedule import LoadStep, load_parameter
+from ..runs.simulation import Simulation
 from ..scene.output import NORMAL, Output
-from ..scene.scaling import Scaled
 from .body_quantities import DOWN_TO_UP, MEANING, UNITS, from_stress
 from .field_index import FOLDER, MESH, FieldIndex, file_name, local_nodes
 from .files import hdf5
@@ -35,24 +35,23 @@ def first_lost(folder: Path, schedule: list[LoadStep], output: Output, done: int
 
 
 class FieldWriter:
-    """fields/*.h5 with their indices, and lines.csv, of the states and fields that ``output`` asks for; SI units.
+    """fields/*.h5 with their indices, and lines.csv, of the states and fields that the scene asks for; SI units.
 
     x along +Q, y upwards. Displacement at the nodes of a mesh of straight cells in physical coordinates, of the degree
     of the run; stresses as means over cells. A file a state; the numbering is that of the columns and layers, whatever
     the ranks. Every rank calls ``write``; rank 0 writes.
     """
 
-    def __init__(
-        self, folder: Path, numbering: Numbering, scaled: Scaled, schedule: list[LoadStep], output: Output, nu: float
-    ):
-        self.folder, self.scaled, self.schedule, self.nu = folder, scaled, schedule, nu
-        self.names = output.kept
-        self.times = load_parameter(schedule)
-        self._kept = kept(schedule, output)
+    def __init__(self, folder: Path, simulation: Simulation):
+        scene, numbering = simulation.scene, simulation.numbering
+        self.folder, self.scaled, self.schedule = folder, simulation.scaled, simulation.schedule
+        self.nu, self.names = scene.solid.nu, scene.output.kept
+        self.times = load_parameter(self.schedule)
+        self._kept = kept(self.schedule, scene.output)
         self._sampler = BodySampler(numbering)
         nodes = numbering.shape[0] * numbering.shape[1]
         self._index = FieldIndex(folder, numbering.body.degree, nodes, numbering.cells, self.names)
-        self._lines = Lines(folder, output, self.names)
+        self._lines = Lines(folder, scene.output, self.names)
 
     def wants(self, number: int) -> bool:
         """Whether the fields of a load step are kept."""

@@ -38,10 +38,7 @@ class Results:
         self.summary: dict = {}
         self.failing = ""
         self._findings: report_data.Findings | None = None  # on rank 0, at the end
-        scene = simulation.scene
-        self._fields = FieldWriter(
-            folder, simulation.numbering, simulation.scaled, simulation.schedule, scene.output, scene.solid.nu
-        )
+        self._fields = FieldWriter(folder, simulation)
         self._checkpoint = Checkpoint(folder, simulation)
         self._written = time.monotonic()
 

@@ -168,9 +168,8 @@ def test_the_gap_is_that_of_the_fields(folder):
 def test_the_energy_density_sums_to_the_energy(k, tmp_path):
     """Of the finite elements, u·K u/2, but for what stresses vary in cells, though E varies by many orders there."""
     simulation = coarse_simulation(**(FINER | UNCOUPLED), solid__k=k, solid__nu=0.3).run_to_end()
-    parts = simulation.numbering, simulation.scaled, simulation.schedule, simulation.scene.output
     last = len(simulation.schedule) - 1
-    FieldWriter(tmp_path, *parts, simulation.scene.solid.nu).write(last)
+    FieldWriter(tmp_path, simulation).write(last)
     with h5py.File(tmp_path / "fields" / f"{last:06d}.h5") as state, h5py.File(tmp_path / "fields" / "mesh.h5") as mesh:
         area = np.outer(np.diff(mesh["depth"][...]), np.diff(mesh["x"][...]))
         found = np.sum(area.ravel() * state["energy_density"][...])
