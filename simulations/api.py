@@ -17,6 +17,7 @@ from .runs import checks, comparison, estimate, reference, report_data
 from .runs.history import Entry
 from .runs.simulation import Simulation
 from .scene import DEFAULT_SCENE, Scene, SceneError, make_scene
+from .scene.scaling import Scales
 
 _ALONE = RLock()  # gmsh and PETSc crash where several threads are in them at once
 
@@ -34,72 +35,75 @@ class Result:
     def _entries(self) -> list[Entry]:
         return self.simulation.history.entries
 
+    @property
+    def _scales(self) -> Scales:
+        return self.simulation.scaled.scales
+
     def _stack(self, get: Callable[[Entry], Any], unit: float) -> np.ndarray:
         return np.array([get(entry) for entry in self._entries]) * unit
 
     @cached_property
     def x(self) -> np.ndarray:
         """(n,) positions along the surface, m."""
-        return self._entries[0].surface.x * self.simulation.scaled.scales.length
+        return self._entries[0].surface.x * self._scales.length
 
     @cached_property
     def weight(self) -> np.ndarray:
         """(n,) length of surface that belongs to a node, m: ``pressure @ weight`` is P."""
-        return self._entries[0].surface.weight * self.simulation.scaled.scales.length
+        return self._entries[0].surface.weight * self._scales.length
 
     @cached_property
     def pressure(self) -> np.ndarray:
         """(s, n) contact pressure, Pa."""
-        return self._stack(lambda entry: entry.surface.pressure, self.simulation.scaled.scales.stress)
+        return self._stack(lambda entry: entry.surface.pressure, self._scales.stress)
 
     @cached_property
     def traction(self) -> np.ndarray:
         """(s, n) tangential traction on the half-plane, positive along +Q, Pa; 0 without friction."""
-        return self._stack(lambda entry: entry.surface.traction, self.simulation.scaled.scales.stress)
+        return self._stack(lambda entry: entry.surface.traction, self._scales.stress)
 
     @cached_property
     def slip(self) -> np.ndarray:
         """(s, n) u_x - delta_x since tangential loading began, less the elastic slip, m; 0 without friction."""
-        return self._stack(lambda entry: entry.slip, self.simulation.scaled.scales.displacement)
+        return self._stack(lambda entry: entry.slip, self._scales.displacement)
 
     @cached_property
     def frictional_work(self) -> np.ndarray:
         """(n,) energy dissipated per area in the last full cycle, w of (51), or since the start where there is none,
         J/m².
         """
-        scales = self.simulation.scaled.scales
-        return self.simulation.history.work * scales.energy / scales.length
+        return self.simulation.history.work * self._scales.energy / self._scales.length
 
     @cached_property
     def P(self) -> np.ndarray:
         """(s,) normal line load, N/m."""
-        return self._stack(lambda entry: entry.step.P, self.simulation.scaled.scales.line_load)
+        return self._stack(lambda entry: entry.step.P, self._scales.line_load)
 
     @cached_property
     def Q(self) -> np.ndarray:
         """(s,) tangential line load, N/m."""
-        return self._stack(lambda entry: entry.step.Q, self.simulation.scaled.scales.line_load)
+        return self._stack(lambda entry: entry.step.Q, self._scales.line_load)
 
     @cached_property
     def delta(self) -> np.ndarray:
         """(s, 2) displacement of the indenter along and into the surface, m."""
-        return self._stack(lambda entry: entry.surface.delta, self.simulation.scaled.scales.displacement)
+        return self._stack(lambda entry: entry.surface.delta, self._scales.displacement)
 
     @property
     def a(self) -> float:
         """Contact half-width at the end, m."""
-        return self._entries[-1].a * self.simulation.scaled.scales.length
+        return self._entries[-1].a * self._scales.length
 
     @property
     def c(self) -> float:
         """Stick half-width at the end, m; nan without friction."""
         stick = self._entries[-1].c if self.simulation.history.friction else np.nan
-        return stick * self.simulation.scaled.scales.length
+        return stick * self._scales.length
 
     @property
     def dissipated_energy(self) -> float:
         """Of the last full cycle, or of everything where there is none, J/m; 0 without friction."""
-        return self.simulation.history.dissipated_energy * self.simulation.scaled.scales.energy
+        return self.simulation.history.dissipated_energy * self._scales.energy
 
     @cached_property
     def checks(self) -> dict[str, checks.Check]:
