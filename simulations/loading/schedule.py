@@ -7,7 +7,7 @@ import numpy as np
 
 from ..fem.load import NO_LOAD, Load
 
-SHORT = np.pi / 480  # angle of the last load step before a turn, on an ellipse of loads; the same for all runs
+SHORT = np.pi / 480  # longest last load step before a turn, on an ellipse of loads; a load of all runs lies there
 
 
 @dataclass(frozen=True)
@@ -48,8 +48,8 @@ def pressing(P: float, steps: int = 1, power: float = 2.0) -> list[LoadStep]:
 def rocking(P: float, Q_A: float, cycles: int, quarter: int, harmonic: bool = False) -> list[LoadStep]:
     """To +Q_A, then ``cycles`` times to -Q_A and back, ``quarter`` load steps per Q_A.
 
-    harmonic: the steps of a cycle are equal in the angle of Q = Q_A cos(angle), not in Q. The last before a turn ends
-    in a short one: strain that lags stops points just before the turn, which still slide in a long step.
+    harmonic: the steps of a cycle are equal in the angle of Q = Q_A cos(angle), not in Q. One step more ends SHORT
+    before each turn: strain that lags stops points just before the turn, which still slide in a long step.
     States of Figure 11: A = +Q_A, B = +Q_A/2 on the way down, C = 0, D = -Q_A/2, E = -Q_A. B and D are marked on the
     nearest load steps.
     """
@@ -57,8 +57,9 @@ def rocking(P: float, Q_A: float, cycles: int, quarter: int, harmonic: bool = Fa
     swing = np.arange(1, 2 * quarter + 1) / quarter
     angles = np.zeros(len(swing))
     if harmonic:
-        if swing[0] * np.pi / 2 > SHORT:
-            swing = np.insert(swing, -1, 2 - SHORT * 2 / np.pi)
+        near = 2 - SHORT * 2 / np.pi
+        if not np.isclose(swing, near, rtol=0, atol=1e-9).any():
+            swing = np.sort(np.append(swing, near))
         angles = np.diff(swing, prepend=0.0) * np.pi / 2
         swing = 1 - np.sin(np.pi / 2 * (1 - swing))  # 1 where Q passes zero, to the last digit
     schedule = [LoadStep(Load(P, Q_A * z), "initial", direction=1) for z in ramp]

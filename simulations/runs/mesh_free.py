@@ -127,7 +127,8 @@ def equal_shares(schedule: Sequence[LoadStep], friction_first: bool, finer: int)
     shares = []
     for before, step in pairwise(schedule):
         moves = friction_first or any(step.load[1:]) or any(before.load[1:])
-        steps = finer if moves and not np.isclose(step.angle, SHORT) else 1
+        is_short = step.state in ("A", "E") and 0 < step.angle < 1.01 * SHORT
+        steps = finer if moves and not is_short else 1
         shares.append(np.arange(1, steps + 1) / steps)
     return shares
 

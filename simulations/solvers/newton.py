@@ -140,7 +140,7 @@ class Newton:
             converged=converged,
             iterations=self.snes.getIterationNumber() + predict,
             residual=self._norms[0],
-            reason="" if code > 0 else _REASONS.get(code, f"SNES reason {code}"),
+            reason="" if converged else _REASONS.get(code, f"PETSc ended it, SNES reason {code}"),
             tolerance=self._tolerance,
             changes=tuple(self._changes),
         )

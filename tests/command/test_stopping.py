@@ -103,7 +103,9 @@ def test_stopped_at_random_moments(ranks, uninterrupted, tmp_path):
         for name in ("pressure", "traction", "slip"):
             assert np.abs(mine[name] - theirs[name]).max() <= 1e-10 * np.abs(theirs[name]).max(), name
         assert json.loads((folder / "summary.json").read_text())["converged"] is True
-        assert files_of(folder) == files_of(expected)
+        # a signal in the last moments leaves the lock to the next command; mpirun may still end with 0
+        left = {"run.lock"} if ranks > 1 else set()
+        assert files_of(folder) - left == files_of(expected)
 
 
 def check_ending(code, said, number, ranks):

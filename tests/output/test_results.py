@@ -201,14 +201,21 @@ def test_cut_increments_give_the_same_answer(runs_by_ranks, tmp_path):
     assert other[-1] == pytest.approx(one[-1], abs=1e-4 * one.max())
 
 
-def test_failed_solve_says_why(tmp_path):
-    done = run_command(*coarse_arguments(tmp_path), *most_iterations(0), ranks=2)
+@pytest.mark.parametrize(
+    "options, why, where",
+    [
+        (most_iterations(0), "too many iterations", "1 of 11, normal"),
+        ((*most_iterations(1), "-fretting_snes_convergence_test", "skip"), "PETSc ended it", "2 of 11, initial"),
+    ],
+)
+def test_failed_solve_says_why(tmp_path, options, why, where):
+    done = run_command(*coarse_arguments(tmp_path), *options, ranks=2)
     assert done.returncode == 3
     lines = [line for line in done.stderr.splitlines() if line.startswith("not converged")]
-    assert len(lines) == 1 and "too many iterations" in lines[0]
-    assert " N/m (load step 1 of 11, normal; load.P = 1e+06, load.mu = 0.3, load.amplitude = 0.9)" in lines[0]
+    assert len(lines) == 1 and why in lines[0]
+    assert f" N/m (load step {where}; load.P = 1e+06, load.mu = 0.3, load.amplitude = 0.9)" in lines[0]
     summary = json.loads((tmp_path / "summary.json").read_text())
-    assert summary["converged"] is False and "too many iterations" in summary["failure"]
+    assert summary["converged"] is False and why in summary["failure"]
     assert "a" not in summary and "errors" not in summary
 
 

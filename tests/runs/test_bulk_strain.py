@@ -166,6 +166,16 @@ def test_steps_of_a_lagging_strain_go_round_an_ellipse():
     )
 
 
+@pytest.mark.parametrize("quarter", [119, 150, 239, 240, 300])
+def test_more_steps_round_an_ellipse_meet_the_same_loads(quarter):
+    """So states of both are compared; steps as short as the one before a turn are divided in the reference."""
+    few, many = (stretched(rocking(1.0, 0.6, 1, n, harmonic=True), 2.0, 60) for n in (quarter, 2 * quarter))
+    loads = np.array([step.load for step in many])
+    assert all(np.abs(loads - step.load).max(axis=1).min() < 1e-12 for step in few)
+    undivided = [step.state for step, parts in zip(few[1:], equal_shares(few, False, 4), strict=True) if len(parts) == 1]
+    assert undivided == ["E", "A"]
+
+
 def test_stress_instead_of_strain():
     """ε = σ (1 - ν²)/E at the depth that is named."""
     scene = parse(UNCOUPLED, ("load.bulk_stress=1e8", "load.bulk_depth=1e-3"))
