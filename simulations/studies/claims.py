@@ -34,8 +34,8 @@ OVER_NU = f"""
 
 Difference of a simulation with coupling from the closed forms, in per cent: slip since loading began (L2 over the
 contact, at the first +Q_A) / traction (likewise) / energy of the second cycle (signed). Q_A = {AMPLITUDE:g} μP,
-μ = {MU:g}; y0 does not matter, as a power law has no length of its own. Mesh-free solver,
-`analytic/half_plane/solver.py`; the finite elements agree at the paper's pairs, above. A dash: no convergence. The
+μ = {MU:g}; y0 does not matter, as a power law has no length of its own. Half-plane solver without
+load steps, `analytic/coupled/`; finite elements agree at the paper's pairs, above. A dash: no convergence. The
 difference vanishes at the Holl ratio, ν = 1/(2+k): 0.5 at k = 0, 0.43 at 0.3, 0.4 at 0.5.
 
 """
@@ -45,7 +45,7 @@ def main(arguments: list[str]):
     """Check every sentence, print the table, and write it as a page where one is asked for."""
     parser = study_parser("claims", __doc__, page="the table")
     page = on_root(lambda: make_folders(parser.parse_args(arguments))).page
-    say("closed forms and mesh-free loops")
+    say("closed forms and loops of the half-plane")
     found = differences(comm)
     say("finite elements at the paper's pairs")
     coupled = coupling_claims(Runs(comm), found)

@@ -2,15 +2,15 @@
 
     mpirun -n 2 python -m simulations.studies.coupling [--output DIR] [--values K NU]
 
-Every loop is computed by the mesh-free half-plane solver, with coupling and without: frictionless pressing, then
-Q_A = 0.9 μP. The ranks share the loops; a study that was stopped goes on where it was.
+Every loop is computed by the half-plane solver without load steps, with coupling and without: frictionless pressing,
+then Q_A = 0.9 μP. The ranks share the loops; a study that was stopped goes on where it was.
 """
 
 import matplotlib.pyplot as plt
 import numpy as np
 from scipy.interpolate import RectBivariateSpline
 
-from analytic import GradedHalfPlane, HalfPlaneContact, PowerProfile
+from analytic import CoupledLoop, GradedHalfPlane, PowerProfile
 
 from ..command.command import comm, on_root, run, say
 from ..output.files import write_table
@@ -21,7 +21,6 @@ from .store import Store
 
 FRICTION, AMPLITUDE = (0.1, 0.3, 0.6), 0.9
 K, NU = (-0.5, 0.7), (0.0, 0.5)
-HALF, NODES = 4, 80  # increments of a half cycle; nodes of each
 COLUMNS = ("k", "nu", "mu", "pressure", "traction", "slip", "energy")
 SHOWN = dict(zip(COLUMNS[3:], ("pressure", "traction", r"slip between $\pm Q_A$", "energy per cycle")))
 ORDER = {"pressure": 1, "traction": 1, "slip": 2, "energy": 2}  # with which they vanish with the coupling
@@ -48,14 +47,11 @@ def main(arguments: list[str]):
 
 def changes(k: float, nu: float, mu: float) -> dict[str, float]:
     """Relative changes by coupling, after one cycle: L2 of p and q at +Q_A, and of the way slipped between ±Q_A."""
-    turn = np.linspace(1, -1, HALF + 1)
-    share = [0, 0.25, 0.5, 0.75, *turn, *turn[::-1][1:]]
-    solid, loads = GradedHalfPlane(1.0, nu, k, 1.0), [(1.0, AMPLITUDE * mu * s) for s in share]
+    solid, loads = GradedHalfPlane(1.0, nu, k, 1.0), [(1.0, AMPLITUDE * mu * share) for share in (0, 1, -1, 1)]
     coupled, alone = (
-        HalfPlaneContact(solid, PowerProfile(0.5, 2.0), mu, coupling=coupling, nodes=NODES).run(loads)
-        for coupling in (True, False)
+        CoupledLoop(solid, PowerProfile(0.5, 2.0), 1.0, mu, coupling).run(loads) for coupling in (True, False)
     )
-    ends = np.array([s.contact for states in (coupled, alone) for s in (states[-1], states[-1 - HALF])])
+    ends = np.array([state.contact for states in (coupled, alone) for state in states[-2:]])
 
     def common(x):
         return (x > ends[:, 0].max()) & (x < ends[:, 1].min())
@@ -69,14 +65,14 @@ def changes(k: float, nu: float, mu: float) -> dict[str, float]:
             with_coupling, without = (np.where(common(x), way, 0.0) for way in (with_coupling, without))
         square = np.trapezoid([(with_coupling - without) ** 2, without**2], x)
         result[name] = float(np.sqrt(square[0] / square[1]))
-    cycle = [states[-1].dissipated_energy - states[-1 - 2 * HALF].dissipated_energy for states in (coupled, alone)]
+    cycle = [states[-1].dissipated_energy - states[1].dissipated_energy for states in (coupled, alone)]
     return result | {"energy": cycle[0] / cycle[1] - 1}
 
 
 FIELDS = {
     "pressure": lambda x, states: states[-1].pressure_at(x),
     "traction": lambda x, states: states[-1].traction_at(x),
-    "slip": lambda x, states: states[-1].slip_at(x) - states[-1 - HALF].slip_at(x),
+    "slip": lambda x, states: states[-1].slip_at(x) - states[-2].slip_at(x),
 }
 
 

@@ -10,9 +10,9 @@ from running import run_command
 
 from analytic import ContactNotConverged, GradedHalfPlane, ProfileContact
 from simulations.studies import maps
-from simulations.studies.loops import simulate
 from simulations.studies.mapping import pictures
 from simulations.studies.mapping.answers import answer
+from simulations.studies.mapping.loops import simulate
 from simulations.studies.mapping.points import Point, by_simulation, by_theory, depth_factors, load, profile
 from simulations.studies.paper import energies
 from simulations.studies.paper.elements import Runs

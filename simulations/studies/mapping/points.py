@@ -12,8 +12,8 @@ from scipy.optimize import minimize_scalar
 
 from analytic import GradedHalfPlane, PowerProfile, ProfileContact, normal_contact
 
-from ..loops import simulate
 from ..paper.setting import load
+from .loops import simulate
 
 
 @dataclass(frozen=True)

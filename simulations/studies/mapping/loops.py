@@ -8,7 +8,7 @@ import numpy as np
 from analytic import ContactNotConverged, GradedHalfPlane, HalfPlaneContact, PowerProfile
 from analytic.half_plane.state import ContactState
 
-from ..loading.schedule import pressing, rocking
+from ...loading.schedule import pressing, rocking
 
 # increments per quarter cycle and nodes of the solver; the next pair is tried where one does not converge
 ATTEMPTS = ((4, 100), (4, 130), (5, 110), (7, 100), (10, 100))
@@ -22,11 +22,6 @@ class SimulatedLoop:
     states: list[ContactState]
     mu: float
     quarter: int
-
-    @property
-    def first_loading(self) -> ContactState:
-        """The state when +Q_A is first reached."""
-        return self.states[self.quarter]
 
     @property
     def last_cycle(self) -> list[ContactState]:
