@@ -3,7 +3,7 @@
 import pytest
 
 from simulations.fem.load import Load
-from simulations.loading.schedule import LoadStep, pressed_first, visiting
+from simulations.loading.schedule import LoadStep, load_parameter, pressed_first, visiting
 
 
 @pytest.mark.parametrize("P", [0.1, 0.3, 0.9])
@@ -18,3 +18,16 @@ def test_a_path_meets_its_points_to_the_last_digit(P):
 def test_a_dwell_to_round_off_ends_no_pressing():
     steps = [LoadStep(Load(P)) for P in (0.5, 1.0, 1.0 - 1e-13, 0.9)]
     assert pressed_first(steps) == 3
+
+
+def test_a_step_goes_the_way_in_which_q_changes_and_a_dwell_goes_on():
+    points = [Load(1.0, 0.3), Load(1.0, 0.1), Load(1.0, 0.1), Load(1.0, -0.2), Load(1.0, -0.1)]
+    assert [step.direction for step in visiting(Load(1.0), points, 1)] == [1, -1, -1, -1, 1]
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_the_load_parameter_is_the_length_of_the_way_in_the_largest_loads(side):
+    """Whichever way Q acts: P to 1, Q to its largest size 0.2, half as far beyond zero, and P to a half."""
+    loads = (0.5, 0.0), (1.0, 0.0), (1.0, 0.2), (1.0, -0.1), (0.5, -0.1)
+    found = load_parameter([LoadStep(Load(P, side * Q)) for P, Q in loads])
+    assert found == pytest.approx([0.5, 1.0, 2.0, 3.5, 4.0])
