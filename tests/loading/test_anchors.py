@@ -11,7 +11,7 @@ from forms.contact import BACKWARD, CLOSED, FORWARD, OPEN
 from simulations.loading.anchors import AnchorIteration, EnteringPoints
 from simulations.loading.approach import Approach, Ratio
 from simulations.loading.contact_points import Surface, edge_by_clearance, edge_of_contact
-from simulations.loading.stopped_points import CUT, accelerated, anchors_of_stopped
+from simulations.loading.stopped_points import CUT, StickCurves, accelerated, anchors_of_stopped
 
 X = np.linspace(-1.5, 1.5, 121)
 
@@ -128,20 +128,24 @@ def test_a_secant_step_is_between_three_tenths_of_the_defect_and_three_times_it(
     assert ratio.value == pytest.approx(value)
 
 
-def test_with_coupling_the_ratio_fades_out_beyond_the_edge():
-    """The eight points beside it are anchored less and less where the ratio has them, and those further out not."""
+@pytest.mark.parametrize("rest", [0.0, 1.0])
+def test_with_coupling_the_ratio_fades_out_beyond_the_edge(rest):
+    """The eight points beside it are anchored less and less where the ratios have them, and those further out not.
+
+    They have come the whole way to where they would touch, less the rest of it.
+    """
     put, before, after = [], touching(0.5), touching(0.7)
     after.clearance[:] *= 0.9
     entering = SimpleNamespace(
         iteration=SimpleNamespace(before=before, after=after, starts={}),
-        _approach=SimpleNamespace(is_uncoupled=False, beside=lambda *found: (1.0, 0.0)),
+        _approach=SimpleNamespace(is_uncoupled=False, beside=lambda *found: (1.0, rest)),
         _points=SimpleNamespace(gathered=lambda values: values),
         _problem=SimpleNamespace(memory=SimpleNamespace(anchors=lambda: np.zeros(len(X)))),
         _put=put.append,
     )
     EnteringPoints.end(entering)
     beyond = (after.states == OPEN) & (X > 0)
-    share = put[0][beyond] / before.clearance[beyond]
+    share = put[0][beyond] / (before.clearance - rest * after.clearance)[beyond]
     assert share[:8] == pytest.approx(1 - np.arange(8) / 8) and not np.any(share[8:])
 
 
@@ -209,6 +213,44 @@ def test_points_that_stop_lie_on_the_curve_that_the_edge_of_stick_has_drawn(curv
     assert start == 0.0
     assert np.array_equal(np.sort(points), np.flatnonzero(STOPPED & (side * X > 0)))
     assert anchors == pytest.approx(curve[points], abs=1e-12)
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+def test_a_curve_is_not_continued_to_where_the_edge_of_stick_had_not_begun_to_draw(side):
+    """It has drawn for 0.1 only, and goes on for 0.2: further inside points stuck on another curve."""
+    curve = np.where(np.abs(X) > 0.29, X**3 - X, 9.0)
+    before, after = touching(0.8, s=curve, stick=0.4), touching(1.0, s=curve, stick=0.6)
+    points, anchors, start = anchors_of_stopped(X, before, after, side, curve, 0.3 * side)
+    assert start == 0.3 * side and np.array_equal(np.sort(points), np.flatnonzero(STOPPED & (side * X > 0)))
+    assert anchors == pytest.approx((X**3 - X)[points], abs=1e-12)
+
+
+def test_a_curve_once_drawn_stays_though_points_stick_up_to_the_edge():
+    """What sticks because of it does not drop it: else the solves would go to and fro."""
+    curve = X * np.abs(X)
+    touch = np.where(STOPPED, 7.0, curve)
+    curves = StickCurves(X, touching(0.8, s=curve, stick=0.4), {-1: 0.0, 1: 0.0})
+    drawn = curves.draw(touching(1.0, s=curve, stick=0.6), touch)
+    assert drawn[STOPPED] == pytest.approx(curve[STOPPED], abs=1e-12)
+    assert np.array_equal(curves.draw(touching(1.0, s=curve), touch), drawn)
+
+
+def test_which_points_stop_is_told_by_the_states_that_are_kept():
+    """Where they are anchored by the surface as it is."""
+    curve = X * np.abs(X)
+    curves = StickCurves(X, touching(0.8, s=curve, stick=0.4), {-1: 0.0, 1: 0.0})
+    curves.keep(touching(1.0, stick=0.6).states)
+    band = (np.abs(X) > 0.4) & (np.abs(X) <= 0.7)
+    drawn = curves.draw(touching(1.0, s=curve, stick=0.7), np.where(band, 7.0, curve))
+    assert drawn == pytest.approx(np.where(band & ~STOPPED, 7.0, curve), abs=1e-12)
+
+
+def test_all_of_a_flat_touches_at_once():
+    """No point of it was passed by an edge before another: none stops on a curve."""
+    flat = np.maximum(np.abs(X) - 0.5, 0.0) ** 1.5
+    before = Surface(np.full(len(X), OPEN), np.zeros(len(X)), flat)
+    for side in (-1, 1):
+        assert not len(anchors_of_stopped(X, before, touching(0.4, s=X, stick=0.3), side, 0 * X, np.nan).points)
 
 
 def test_points_that_stop_as_the_load_turns_back_stay():
