@@ -1,8 +1,10 @@
 """Properties of a solved loop that need no fine mesh."""
 
+from itertools import islice
+
 import numpy as np
 import pytest
-from solving import coarse_simulation, deviations, simulated, solved
+from solving import coarse_simulation, deviations, simulated, solved, watched
 
 from simulations.fem.mesh import Grading
 from simulations.runs.comparison import relative_l2
@@ -90,12 +92,47 @@ def test_a_state_out_of_balance_is_not_accepted(method):
     assert body.state.x.array == pytest.approx(u, abs=1e-7)
 
 
-def test_forces_that_do_not_carry_the_load_are_not_accepted(monkeypatch):
+@pytest.mark.parametrize("share", [1.0, 1e-4])
+def test_forces_that_do_not_carry_the_load_are_not_accepted(share, monkeypatch):
+    """A millionth of it is too much, however small the load is."""
     simulation = coarse_simulation()
     load, newton = next(simulation.run()).step.load, simulation.stepping._newton
-    residual = newton.system.residual
-    monkeypatch.setattr(newton.system, "residual", lambda x, f: (residual(x, f)[0], 1e-6 * load.P))
-    assert not newton.balance(load).converged
+    small = load._replace(P=share * load.P)
+    for imbalance, is_accepted in ((1e-6, False), (1e-10, True)):
+        monkeypatch.setattr(newton.system, "residual", lambda x, f: (0.0, imbalance * small.P))
+        assert newton.balance(small).converged == is_accepted
+
+
+def test_round_off_counts_over_the_load():
+    """The same displacements under a tenth of the load leave ten times as much of it."""
+    simulation = coarse_simulation()
+    load, newton = next(simulation.run()).step.load, simulation.stepping._newton
+    more, less = (newton.balance(load._replace(P=P * load.P)).tolerance for P in (1e-6, 1e-5))
+    assert more == pytest.approx(10 * less, rel=1e-9) and less > newton.balance(load).tolerance
+
+
+def test_tractions_that_do_not_carry_the_load_are_seen_though_the_forces_do():
+    """The nodal forces stay as the indenter goes deeper, and the pressure that is reported grows."""
+    simulation = coarse_simulation()
+    load, solver = next(simulation.run()).step.load, simulation.stepping
+    system, x = solver._newton.system, solver._newton.x
+    system.begin(load, x)
+    x.array[-1] += 1e-4
+    _, imbalance = system.residual(x, x.duplicate())
+    system.finish(x)
+    surface = simulation.sampler.sample(solver.problem)
+    assert imbalance == pytest.approx(surface.line_load(surface.pressure) - load.P, rel=1e-6) and imbalance > 1e-4
+
+
+@pytest.mark.parametrize("predict", [False, True])
+def test_every_linear_solve_is_an_iteration(predict, monkeypatch):
+    """The predictor too."""
+    simulation = coarse_simulation()
+    load = [entry.step.load for entry in islice(simulation.run(), 2)][-1]
+    newton = simulation.stepping._newton
+    solves = watched(monkeypatch, newton.system, "solve")
+    result = newton.solve(load._replace(Q=(1.1 - 0.2 * predict) * load.Q), predict=predict)
+    assert result.converged and result.iterations == len(solves) > 1
 
 
 def test_an_end_by_a_rule_of_petsc_is_no_solution():
