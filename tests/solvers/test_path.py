@@ -2,13 +2,16 @@
 
 from dataclasses import replace
 from itertools import islice
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from mpi4py import MPI
+from petsc4py import PETSc
 from solving import CYCLING, SHRINKING, coarse_simulation, limit_stepping, solved, without_path
 
-from forms.contact import CLOSED
+from forms.contact import BACKWARD, CLOSED, FORWARD
+from simulations.fem.load import Load
 from simulations.loading.stepping import SolveError
 from simulations.runs.plan import Plan
 from simulations.runs.simulation import Simulation
@@ -52,6 +55,56 @@ def test_a_point_that_sticks_slides_either_way_where_its_traction_is_at_its_limi
     conditions = path._conditions(np.array([CLOSED]), 0.5)
     share, (_, point) = path._first_change(conditions, np.array([[0.0], [1.0]]), np.array([[2.0 * side], [0.0]]))
     assert share == pytest.approx(0.25) and point == 0
+
+
+class Folded:
+    """One unknown x, a point that slides along -x below 0, sticks up to 1 and slides along +x beyond, and a residual
+    that goes through the places (x, residual) on straight lines.
+    """
+
+    def __init__(self, *places):
+        self._x, self._f = map(np.array, zip(*places))
+        terms = SimpleNamespace(trials=self._trials, contact_states=self._states)
+        body = SimpleNamespace(mesh=SimpleNamespace(comm=MPI.COMM_SELF))
+        self.problem = SimpleNamespace(terms=terms, body=body, mu=0.5, friction=True)
+
+    def _trials(self):
+        return np.array([[self.x - 0.5], [1.0]])  # the limit of friction is 0.5
+
+    def _states(self):
+        return np.array([BACKWARD if self.x < 0 else FORWARD if self.x > 1 else CLOSED])
+
+    def linearise(self, x):
+        place = np.clip(np.searchsorted(self._x, x.array_r[0]), 1, len(self._x) - 1)
+        self._slope = np.diff(self._f)[place - 1] / np.diff(self._x)[place - 1]
+
+    def solve(self, b, x, held=False):
+        x.array[:] = b.array_r / self._slope
+
+    def follow(self, start, balanced=1e-9, most=20):
+        """Where the path from x = start ends, in how many steps, and whether it arrived."""
+        x = PETSc.Vec().createSeq(1)
+        x.array[:] = start
+
+        def residual(at):
+            self.x, f = at.array_r[0], at.duplicate()
+            f.array[:] = np.interp(self.x, self._x, self._f)
+            return f, abs(f.array_r[0]) <= balanced
+
+        steps, arrived = path.follow(self, x, residual, Load(1.0), most)
+        return x.array_r[0], steps, arrived
+
+
+def test_where_the_determinant_changes_its_sign_the_path_turns_round():
+    """The residual has to grow between 1 and 0, where a whole step of Newton's would lead back."""
+    end, steps, arrived = Folded((-9, -6), (0, 3), (1, 1), (9, 9)).follow(3.0)
+    assert arrived and end == pytest.approx(-3.0) and steps == 3
+
+
+def test_a_path_ends_where_round_off_keeps_loads_from_balance():
+    """One whole step without a change of state leads to the solution, and another has nothing left to do."""
+    end, steps, arrived = Folded((-9, -8), (9, 10)).follow(-3.0, balanced=-1.0)
+    assert arrived and steps == 2 and end == pytest.approx(-1.0, abs=1e-12)
 
 
 def test_a_loop_that_cycles_without_it(monkeypatch):
