@@ -1,10 +1,13 @@
 """The energy that friction takes on a straight way of the loads follows from the balance of energy."""
 
+import numpy as np
 import pytest
 from running import COARSE
 from solving import simulated
 
+from simulations.fem.surface import SurfaceState
 from simulations.runs.closed_forms import Springs
+from simulations.runs.frictional_work import frictional_work
 from simulations.runs.simulation import Simulation
 
 SOLID = {"solid.E0": 210e9, "solid.nu": 0.3, "solid.modulus": "homogeneous", "indenter.R": 0.1, "load.mu": 0.3}
@@ -59,3 +62,48 @@ def test_a_dwell_and_a_point_on_the_way_change_nothing():
     assert stops.history.dissipated_energy == pytest.approx(straight.history.dissipated_energy, rel=1e-3)
     assert len(stops.history.entries) == len(straight.history.entries) + 12
     assert stops.history.entries[-1].work.sum() == pytest.approx(straight.history.work.sum(), rel=1e-3)
+
+
+MU, FAR = 0.4, ((-9.0, 9.0), (-9.0, 9.0))  # edges of contact that no point is near
+
+
+def surface(pressure, share, s) -> SurfaceState:
+    """Points with ``share`` of the traction that friction allows, at s (n,)."""
+    n, zero = len(s), np.zeros((2, len(s)))
+    pressure, u = np.broadcast_to(pressure, n), np.array([s, np.zeros(n)])
+    x, weight, delta = np.linspace(0, 1, n), np.full(n, 1 / n), np.zeros(2)
+    return SurfaceState(x, weight, pressure, share * MU * pressure, u, delta, zero, mu=MU)
+
+
+@pytest.mark.parametrize("k", [-0.6, 0.0, 0.6])
+def test_points_that_begin_to_slide_one_after_the_other(k):
+    """From t0 on each goes like (t - t0)^m, m = (3-k)/2, while p grows from 1 to 3: work -∫ q ds, on 1000 points."""
+    left, m = (np.arange(1000) + 0.5) / 1000, (3 - k) / 2  # of the load step when each begins
+    before, after = surface(1.0, 0.0, 0.0 * left), surface(3.0, 1.0, -(left**m))
+    exact = MU * (3.0 * left**m - 2.0 * left ** (m + 1) / (m + 1))
+    assert frictional_work(before, after, FAR, k).sum() == pytest.approx(exact.sum(), rel=1e-5)
+
+
+@pytest.mark.parametrize("leaves", [False, True])
+@pytest.mark.parametrize("k", [-0.6, 0.0, 0.6])
+def test_points_that_an_edge_passes_slide_for_a_part_of_the_step(k, leaves):
+    """Under a pressure like the distance from the edge to the power (1+k)/2, whose mean over time is what counts."""
+    distance, power = (np.arange(1000) + 0.5) / 1000, (1 + k) / 2  # of each point from where the edge ends, or began
+    touching, open_points = surface(distance**power, 1.0, -0.2 + 0 * distance), surface(0.0, 0.0, 0 * distance)
+    if leaves:
+        touching, open_points = surface(distance**power, 1.0, 0 * distance), surface(0.0, 0.0, -0.2 + 0 * distance)
+    work = frictional_work(*((touching, open_points) if leaves else (open_points, touching)), FAR, k)
+    exact = 0.2 * MU * distance ** (power + 1) / (power + 1)  # each slides as long as the edge is beyond it
+    assert work.sum() == pytest.approx(exact.sum(), rel=1e-4)
+
+
+def test_a_point_that_slides_ever_faster_does_more_under_the_later_pressure():
+    """s = -t² from t = 20 on, by load steps of 1, while p grows from 1 to 3.
+
+    To a tenth of what a steady slip leaves out.
+    """
+    earlier, before, after = (surface(p, 1.0, -np.full(3, t**2)) for p, t in ((1.0, 20.0), (1.0, 21.0), (3.0, 22.0)))
+    t = (np.arange(10_000) + 0.5) / 10_000
+    exact = MU * np.mean((1 + 2 * t) * 2 * (21 + t))
+    steady, faster = (frictional_work(before, after, FAR, 0.0, first)[0] for first in (None, earlier))
+    assert faster - steady == pytest.approx(exact - steady, rel=0.1) and exact > steady
