@@ -11,10 +11,13 @@ from running import coarse_arguments, run_command
 from solving import coarse_simulation, metered, solved
 
 from forms.contact import X, Y
+from simulations.fem.load import Load
+from simulations.fem.surface import SurfaceState, longest_zone
+from simulations.loading.schedule import LoadStep
 from simulations.output.table import table
 from simulations.runs import checks, report_data
 from simulations.runs.closed_forms import Springs
-from simulations.runs.comparison import compare_all, compare_state, of_history, off, own_of_number
+from simulations.runs.comparison import _largest, compare_all, compare_state, of_history, off, own_of_number
 from simulations.runs.energy import EnergyMeter, worst_defect
 from simulations.runs.mesh_free import MeshFree
 
@@ -103,6 +106,31 @@ def test_each_check_sees_a_little_that_is_wrong_in_one_state(loop, name):
     entries = [wrong if other is entry else other for other in history.entries]
     found = checks.check(replace(history, entries=entries), height)
     assert [failing for failing, check in found.items() if not check.holds] == [name]
+
+
+def test_a_state_under_a_small_load_is_measured_by_that_load():
+    """Of P = 0.2 and Q = -0.01 the tractions carry 0.21 and -0.03: they are a tenth of P off, the larger of both."""
+    entry = SimpleNamespace(carried=(0.21, -0.03), step=LoadStep(Load(0.2, -0.01)))
+    assert checks.imbalance(entry) == pytest.approx(0.1)
+    surface = SimpleNamespace(traction=np.array([0.0, -0.26, 0.1]), limit=np.array([0.0, 0.25, 0.5]))
+    assert checks.excess(surface) == pytest.approx(0.02)
+
+
+def test_a_point_slides_where_its_traction_is_at_its_limit_as_far_as_forces_are_known():
+    """A millionth of the largest limit, 0.5 here, though the point's own is a thousand times less."""
+    pressure, zero = np.array([1.0, 1e-3, 1e-3, 0.0]), np.zeros((2, 4))
+    traction = np.array([-0.5, 5e-4 - 4e-7, 5e-4 - 6e-7, 0.0])
+    state = SurfaceState(np.arange(4.0), np.ones(4), pressure, traction, zero, np.zeros(2), zero, mu=0.5)
+    assert np.array_equal(state.slides, [-1, 1, 0, 0])
+
+
+def test_energy_balances_where_half_of_the_body_is_meshed():
+    """The work of the indenter is that of both halves."""
+    text = "solid.E0 = 2e11\nsolid.k = 0.3\nsolid.nu = 0.3\nsolid.y0 = 0.01\nindenter.R = 0.1\n"
+    simulation = coarse_simulation(text + "load.points = [[5e5, 0], [1e6, 0]]\n", solver__increments=1)
+    steps = metered(simulation)
+    assert simulation.body.is_half and worst_defect(steps) < 1e-9
+    assert steps[0].indenter > 10 * worst_defect(steps) * steps[0].turnover
 
 
 def test_a_contact_without_a_width_and_a_negative_energy_fail(loop):
@@ -270,6 +298,20 @@ def test_bands_of_slip_at_the_edges_do_not_widen_the_stick_zone():
     assert reference.stick_half_width(last) == pytest.approx(0.83)
     state.stick_zones = np.empty((0, 2))
     assert np.isnan(reference.stick_half_width(last))
+
+
+def test_the_longest_zone_is_that_of_the_longest_way_not_of_most_pieces():
+    """Three short pieces close together reach less far than the one on their left, until a wider gap joins all."""
+    left, right = np.array([-1.0, 0.3, 0.45, 0.6]), np.array([0.1, 0.4, 0.55, 0.7])
+    assert longest_zone(left, right, 0.06) == (0, 0)
+    assert longest_zone(left, right, 0.21) == (0, 3)
+
+
+def test_the_worst_state_is_the_worst_of_those_that_are_known():
+    """A state without a slip has none to be off in; where no state has one the worst is not known."""
+    states = [{"slip_l2": np.nan, "traction_l2": np.nan}, {"slip_l2": 0.1, "traction_l2": np.nan}]
+    found = _largest([*states, {"slip_l2": 0.05, "traction_l2": np.nan}])
+    assert found["slip_l2"] == 0.1 and np.isnan(found["traction_l2"])
 
 
 def test_a_reference_that_is_hardly_known_excuses_little():
