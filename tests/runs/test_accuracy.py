@@ -4,12 +4,13 @@ calibrate.
 
 import json
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from mpi4py import MPI
 from running import run_command
-from solving import deviations, simulated
+from solving import deviations, simulated, watched
 
 from simulations import fretting, run, sweep
 from simulations.output import results
@@ -218,11 +219,39 @@ def test_estimate_knows_what_few_load_steps_do_to_the_energy_of_a_loop(effect):
     assert 1e-3 < error < 1.5 * found["errors"]["dissipated_energy"] < 6 * error
 
 
+@pytest.mark.parametrize("ratio, factor", [(4.0, 0.25), (1.0, 1.0), (0.25, 1.0)])
+def test_a_finer_second_mesh_tells_the_error_itself(ratio, factor, monkeypatch):
+    """What a coarser one is off by is its own error, so many times that of the run; a finer one has hardly any."""
+    monkeypatch.setattr(estimate, "compare_all", lambda *_: ({"a": -0.1}, {"pressure_l2": 0.2}, {}))
+    monkeypatch.setattr(estimate, "of_history", lambda history: history)
+    of = SimpleNamespace(history=None)
+    errors = estimate.estimated(of, of, ratio)
+    assert errors.last["a"] == pytest.approx(accuracy.MARGIN * factor * 0.1)
+    assert errors.worst["pressure_l2"] == pytest.approx(accuracy.MARGIN * factor * 0.2) and errors.is_estimate
+
+
+def test_a_reference_measures_only_what_it_is_known_well_enough_for():
+    """Its own error may be three tenths of the accuracy asked for."""
+    exact = SimpleNamespace(deviations={"a": 1e-4, "peak_pressure": 9.0}, worst={}, own={"a": 2e-4})
+    assert estimate.measured(exact, 1e-3).last == {"a": 1e-4}
+    assert estimate.measured(exact, 5e-4) is None and estimate.measured(None, 1e-3) is None
+
+
 def test_normal_increments_are_not_doubled_without_friction_in_the_normal_stage():
     """They have no effect, and twice as many would be too many for a scene."""
     path = PATH.format("[1e4, 2e3], [6e3, 1e3]")
     few = simulated(COARSE | {"solver.increments": 1, "solver.normal_increments": 600}, path)
     assert np.isfinite(estimate.of_load_steps(few).largest)
+
+
+def test_with_friction_in_the_normal_stage_normal_increments_are_doubled_too(monkeypatch):
+    keys = {"solid.nu": 0.3, "load.mu": 0.3, "load.points": [[5e5, 0.0], [1e6, 1e5]], "reference.kind": "none"}
+    keys |= {"solid.E0": 210e9, "solid.k": 0.3, "solid.y0": 0.01, "indenter.R": 0.1}
+    steps = {"solver.increments": 1, "solver.normal_increments": 3, "effects.friction_in_normal_stage": True}
+    few = simulated(COARSE | keys | steps, base=None)
+    made = watched(monkeypatch, estimate, "Simulation")
+    assert estimate.of_load_steps(few).is_estimate
+    assert made[0][1].solver.normal_increments == 6 and made[0][1].solver.increments == 2
 
 
 def test_the_largest_error_may_be_negative():
