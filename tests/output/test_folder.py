@@ -2,6 +2,8 @@
 
 import json
 import os
+import shutil
+import socket
 import time
 from subprocess import PIPE
 
@@ -10,8 +12,8 @@ from restarting import RUN, assert_same, refusal
 from running import coarse_arguments, contents, run_python, start_python
 
 from simulations import fretting
+from simulations.output import checkpoint, lock
 from simulations.output import folder as run_folder
-from simulations.output import lock
 from simulations.output.files import OutputError
 from simulations.output.lock import Lock, Locked
 from simulations.output.results import Results
@@ -89,6 +91,45 @@ def test_a_scene_refused_late_leaves_nothing_behind(finished, tmp_path):
     assert contents(finished) == before
 
 
+class Killed(BaseException):
+    """The process ends here."""
+
+
+def kill(*_, **how):
+    raise Killed
+
+
+def test_a_run_that_is_killed_while_it_is_tidied_up_is_complete(finished, tmp_path, monkeypatch):
+    """What makes the checkpoint count goes first: half of one would be refused, though all results are there."""
+    folder = shutil.copytree(finished, tmp_path / "run")
+    (folder / "checkpoint").mkdir()
+    (folder / "checkpoint" / "memory.npz").touch()
+    assert not checkpoint.is_complete(folder)
+    monkeypatch.setattr(shutil, "rmtree", kill)
+    with pytest.raises(Killed):
+        checkpoint.remove(folder)
+    assert checkpoint.is_complete(folder)
+
+
+def test_a_run_that_is_killed_while_it_is_replaced_is_not_complete(finished, tmp_path, monkeypatch):
+    """What says so goes first: else a part of its results would pass for all of them."""
+    folder, scene = shutil.copytree(finished, tmp_path / "run"), checkpoint.read_scene(finished)
+    monkeypatch.setattr(run_folder, "_state_files", kill)
+    monkeypatch.setattr(checkpoint, "remove", kill)
+    assert checkpoint.is_complete(folder)
+    with pytest.raises(Killed):
+        run_folder.begin(folder, scene)
+    assert not checkpoint.is_complete(folder) and (folder / "surface.h5").exists()
+
+
+def test_the_scene_of_a_new_run_comes_when_the_results_of_the_old_one_are_gone(finished, tmp_path, monkeypatch):
+    folder, scene = shutil.copytree(finished, tmp_path / "run"), checkpoint.read_scene(finished)
+    left = []
+    monkeypatch.setattr(run_folder, "write_text", lambda *_: left.extend(contents(folder)))
+    run_folder.begin(folder, scene)
+    assert [str(path) for path in left] == ["scene.toml"]
+
+
 # --- the lock -------------------------------------------------------------------------------------------------
 
 
@@ -125,6 +166,17 @@ def test_a_lock_ends_with_its_owner(tmp_path):
     assert not (tmp_path / lock.NAME).exists()
 
 
+def test_a_lock_that_was_taken_over_is_not_removed_by_its_first_owner(tmp_path):
+    first = Lock(tmp_path)
+    (tmp_path / lock.NAME).unlink()
+    second = Lock(tmp_path)
+    first.release()
+    with pytest.raises(Locked):
+        Lock(tmp_path)
+    second.release()
+    assert not (tmp_path / lock.NAME).exists()
+
+
 @pytest.mark.parametrize(
     "namespace, who", [("pid:[1]", "a process in a container"), (lock.FIRST_NAMESPACE, "process {}")]
 )
@@ -138,12 +190,17 @@ def test_the_number_of_a_locks_owner_in_a_container_is_not_told(tmp_path, monkey
 
 
 def test_a_lock_of_another_machine_lives_as_long_as_it_is_touched(tmp_path):
-    owner(tmp_path)
+    """Then it is that of its new owner alone, whose name may be shorter."""
+    owner(tmp_path, started="2025-01-01 " + 300 * "0")
     with pytest.raises(Locked, match="process 12 on elsewhere"):
         Lock(tmp_path)
     long_ago = time.time() - lock.SILENT - 1
     os.utime(tmp_path / lock.NAME, (long_ago, long_ago))
-    Lock(tmp_path).release()
+    held = Lock(tmp_path)
+    assert set(json.loads((tmp_path / lock.NAME).read_text())) == {"host", "pid", "started", "boot"}
+    with pytest.raises(Locked, match=f" on {socket.gethostname()}, begun 20"):
+        Lock(tmp_path)
+    held.release()
 
 
 def test_on_a_file_system_without_locks_a_sign_of_life_counts(tmp_path, monkeypatch):
