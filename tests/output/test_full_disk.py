@@ -4,14 +4,15 @@ import os
 import resource
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 from restarting import RUN, assert_same
-from running import ROOT, coarse_arguments, environment, fill_disk
+from running import ROOT, coarse_arguments, contents, environment, fill_disk
 
 import simulations.sweep
 from simulations import fretting
-from simulations.output.files import OutputError
+from simulations.output.files import OutputError, write_text
 
 SMALL, LARGER = 280, 560  # kB: too small for the first field; too small for the indices and the picture
 
@@ -28,6 +29,34 @@ def test_at_a_chosen_write(call, uninterrupted, tmp_path, monkeypatch):
     monkeypatch.undo()
     fretting.main(["--resume", str(folder)])
     assert_same(folder, uninterrupted)
+
+
+def test_a_file_takes_its_place_once_it_is_on_the_disk(tmp_path, monkeypatch):
+    """What was there stays until then."""
+    write_text(tmp_path / "a", "old")
+    fill_disk(monkeypatch, 1)
+    with pytest.raises(OutputError):
+        write_text(tmp_path / "a", "new")
+    assert contents(tmp_path) == {Path("a"): b"old"}
+
+
+def test_records_of_a_checkpoint_are_on_the_disk_before_they_count(tmp_path, monkeypatch):
+    """For every load step: states.bin is, before the memory.npz that tells how many of its records there are."""
+    events, fsync, replace = [], os.fsync, os.replace
+
+    def seen_fsync(descriptor):
+        fsync(descriptor)
+        events.append(Path(f"/proc/self/fd/{descriptor}").readlink().name)
+
+    def seen_replace(source, target):
+        events.append("counts" if Path(target).name == "memory.npz" else "")
+        replace(source, target)
+
+    monkeypatch.setattr(os, "fsync", seen_fsync)
+    monkeypatch.setattr(os, "replace", seen_replace)
+    fretting.main([*coarse_arguments(tmp_path, **RUN, load__cycles=0, solver__increments=1), "--quiet"])
+    of_checkpoint = [event for event in events if event in ("states.bin", "part.memory.npz", "counts")]
+    assert of_checkpoint == ["states.bin", "part.memory.npz", "counts"] * 2
 
 
 def test_the_table_of_a_sweep(tmp_path, monkeypatch):

@@ -13,6 +13,7 @@ from restarting import RUN, assert_same
 from running import coarse_arguments, ranks_of, run_command, start_python
 
 from simulations import fretting, indentation
+from simulations.output.checkpoint import is_complete
 
 # --- every moment at which something is written ---------------------------------------------------------------
 
@@ -69,6 +70,10 @@ def snapshots_of(arguments, folder, monkeypatch, tmp_path, main=fretting.main):
     return taken
 
 
+def has_checkpoint(folder) -> bool:
+    return (folder / "checkpoint" / "memory.npz").exists()
+
+
 @pytest.mark.parametrize("case", [*SCENES, *POINTS])
 def test_from_every_moment_of_writing(case, tmp_path, monkeypatch):
     """What a SIGKILL would leave at the moments around each write: resumed, some of them twice."""
@@ -82,6 +87,8 @@ def test_from_every_moment_of_writing(case, tmp_path, monkeypatch):
     moments = snapshots_of(arguments, expected, monkeypatch, tmp_path)
     whole = [folder for folder in moments if (folder / "scene.toml").exists()]
     assert len(whole) > 20
+    begun = next(i for i, folder in enumerate(moments) if has_checkpoint(folder))  # from here on nothing is lost
+    assert all(has_checkpoint(folder) or is_complete(folder) for folder in moments[begun:])
     some = whole[len(whole) // 3 :: len(whole) // 3]
     if case == "coupled":  # at the beginning, and when everything is done but tidied up, no scene is special
         some += [whole[1], *whole[-3:]]
