@@ -1,6 +1,8 @@
 """Fields of the body: against stresses that share nothing with the finite elements, and read back by other tools."""
 
 import runpy
+import shutil
+from types import SimpleNamespace
 
 import h5py
 import numpy as np
@@ -315,6 +317,26 @@ def test_states_that_are_asked_for(states, found, tmp_path):
 def test_of_many_load_steps_of_pressing_the_last_is_the_normal_state():
     schedule = pressing(1.0, 3) + rocking(1.0, 0.1, cycles=0, quarter=2)
     assert kept(schedule, Output()) == {2: "normal", 4: "A"}
+
+
+def test_a_state_of_which_there_are_several_is_the_last(folder, tmp_path):
+    """A is reached at the end of the first loading, whose stress is made another one here, and at that of the cycle."""
+    again = shutil.copytree(folder, tmp_path / "run")
+    with h5py.File(again / "fields" / "000002.h5", "r+") as state:
+        assert state.attrs["state"] == "A"
+        state["von_mises"][...] *= 2.0
+    found, last, first = (body_functions(again, state)["von_mises"].x.array for state in ("A", 10, 2))
+    assert np.array_equal(found, last) and first == pytest.approx(2.0 * last, rel=1e-6)
+
+
+def test_indices_and_lines_are_of_the_states_that_are_kept_so_far():
+    """Of a run in its third load step that keeps the first, the fourth and the last: of the first alone."""
+    written = []
+    writer = SimpleNamespace(_kept={0: "normal", 3: "B", 5: "A"}, times=np.arange(6.0))
+    writer._index = SimpleNamespace(write=lambda numbers, times: written.append((numbers, times)))
+    writer._lines = SimpleNamespace(write=written.append)
+    FieldWriter.write_series(writer, 3)
+    assert written == [([0], [0.0]), [0]]
 
 
 def test_a_folder_without_a_run_has_no_functions(tmp_path):

@@ -2,6 +2,8 @@
 
 import json
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import nullcontext
+from types import SimpleNamespace
 
 import h5py
 import meshio
@@ -14,7 +16,8 @@ from solving import CYCLING, limit_stepping, without_path
 
 from simulations import fretting
 from simulations.loading.stepping import SolveError
-from simulations.output.files import writing
+from simulations.output.files import write_summary, writing
+from simulations.output.results import Results
 from simulations.scene import language, parse
 from simulations.scene.output import FIELDS
 
@@ -188,6 +191,33 @@ def test_newton_sees_the_whole_tangent_on_three_ranks(runs_by_ranks):
     assert abs(other - one) <= 3
 
 
+def test_numbers_that_do_not_exist_are_null(tmp_path):
+    """JSON has neither nan nor infinities: other readers would refuse the file."""
+    summary = {"a": np.inf, "b": {"c": -float("inf"), "d": np.float64("nan")}, "e": np.int64(1)}
+    write_summary(tmp_path / "summary.json", summary)
+    found = json.loads((tmp_path / "summary.json").read_text(), parse_constant=pytest.fail)
+    assert found == {"a": None, "b": {"c": None, "d": None}, "e": 1}
+
+
+@pytest.mark.parametrize("rank", [0, 1])
+def test_rank_0_alone_writes_tables_and_what_there_is_of_a_run_that_failed(rank):
+    """Others would write the same files at the same time."""
+    written = []
+    results = SimpleNamespace(
+        comm=SimpleNamespace(rank=rank),
+        simulation=SimpleNamespace(history=SimpleNamespace(entries=[None]), watch=lambda phase: nullcontext()),
+        _fields=SimpleNamespace(wants=lambda number: False),
+        _checkpoint=None,
+        _everywhere=lambda write: None,
+        _write_tables=lambda: written.append("tables"),
+        _write_failed=written.append,
+        _written=-np.inf,
+    )
+    Results.record(results, None)
+    Results.__exit__(results, SolveError, SolveError("no answer\nat all"), None)
+    assert written == ([] if rank else ["tables", "no answer"])
+
+
 def most_iterations(number):
     """Options that leave Newton's method so many, and no path beside them."""
     return "-fretting_snes_max_it", number, "-fretting_path_max_it", 0
@@ -229,7 +259,7 @@ def test_failed_solve_keeps_what_it_had(tmp_path, monkeypatch):
     assert summary["converged"] is False and summary["increments"] >= 2
     assert "dissipated_energy" not in summary and "differences" not in summary
     data = surface(tmp_path)
-    assert data["pressure"].shape[0] == summary["increments"]
+    assert data["pressure"].shape[0] == len(data["load_parameter"]) == summary["increments"]
     assert data["pressure"][-1] @ data["weight"] == pytest.approx(data["P_prescribed"][-1], rel=1e-8)
     with ThreadPoolExecutor(1) as other:  # which can write now
         assert other.submit(writing.acquire, blocking=False).result()

@@ -4,6 +4,7 @@ import json
 import re
 import shutil
 
+import numpy as np
 import pytest
 from restarting import RUN, refusal
 from running import coarse_arguments, contents, csv_rows
@@ -117,13 +118,23 @@ def test_the_checkpoint_of_another_version_is_refused(stopped, monkeypatch):
 
 
 def test_what_a_resumed_run_reports_of_earlier_increments(stopped, uninterrupted):
-    """Tolerances and changes of contact states are kept too: checks and history.csv are as if nothing had happened."""
+    """Tolerances and changes of contact states are kept too: checks and history.csv are as if nothing had happened.
+
+    That it was resumed is said, and the seconds are those of both parts.
+    """
+    with np.load(stopped / "checkpoint" / "memory.npz") as memory:
+        before = dict(zip(memory["phases"].tolist(), memory["seconds"].tolist()))
     fretting.main(["--resume", str(stopped), "--quiet"])
     histories = [csv_rows(folder / "history.csv") for folder in (stopped, uninterrupted)]
     for one, other in zip(*histories, strict=True):
         assert one["states_changed"] == other["states_changed"]
     checks = [json.loads((folder / "summary.json").read_text())["checks"] for folder in (stopped, uninterrupted)]
     assert {name: c["limit"] for name, c in checks[0].items()} == {name: c["limit"] for name, c in checks[1].items()}
+    summary = json.loads((stopped / "summary.json").read_text())
+    took = [float(row["seconds"]) for row in histories[0]]
+    assert summary["resumed"] == 1 and summary["seconds"]["total"] > before["total"]
+    assert summary["seconds"]["solve"] == pytest.approx(sum(took), abs=1e-2)
+    assert summary["seconds"]["mesh"] > before["mesh"] > 0.0
 
 
 def test_the_report_of_a_run_that_goes_on_is_taken_away(stopped):
