@@ -35,6 +35,8 @@ if comm.size > 2:
 def numbers(ranks, scene):
     """Of every state: p, q, dissipated energy, displacements of the indenter and contact half-width."""
     entries = Simulation(ranks, scene).run_to_end().history.entries
+    changes = [(entry.iterations, entry.changes) for entry in entries]
+    assert ranks.allgather(changes) == ranks.size * [changes]  # of all ranks' points, and the same on each
     return [(e.surface.pressure, e.surface.traction, e.dissipated, e.surface.delta, e.a) for e in entries]
 
 
