@@ -111,6 +111,25 @@ def test_where_anchors_do_not_settle_the_state_that_asks_for_least_stays(is_unco
     assert back == [1] and stepping._results == ["balanced"]
 
 
+def test_a_state_that_is_put_back_has_all_that_the_next_load_step_takes():
+    """Contact states at rest too: they tell which points slid before."""
+    simulation = coarse_simulation(solid__nu=0.3)
+    states = simulation.run()
+    for _ in range(3):
+        next(states)
+    system, memory, body = simulation.solver.system, simulation.solver.problem.memory, simulation.body
+
+    def told():
+        fields = body.state.x.array, body.delta.value, memory.anchors(), memory.states_at_rest()
+        return [values.copy() for values in fields]
+
+    saved, before = present_state.save(system), told()
+    next(states)
+    assert all(np.any(mine != old) for mine, old in zip(told(), before, strict=True))
+    present_state.restore(system, saved)
+    assert all(np.array_equal(mine, old) for mine, old in zip(told(), before, strict=True))
+
+
 def test_anchors_are_those_of_pressing_while_there_is_nothing_else(monkeypatch):
     solid = "solid.E0 = 210e9\nsolid.k = 0.3\nsolid.nu = 0.3\nsolid.y0 = 0.01\nindenter.R = 0.1\nload.mu = 0.3\n"
     path = "load.points = [[5e5, 0], [1e6, 1e5]]\neffects.friction_in_normal_stage = true\n"
