@@ -124,6 +124,19 @@ def test_tractions_that_do_not_carry_the_load_are_seen_though_the_forces_do():
     assert imbalance == pytest.approx(surface.line_load(surface.pressure) - load.P, rel=1e-6) and imbalance > 1e-4
 
 
+@pytest.mark.parametrize("error", [KeyboardInterrupt, MemoryError])
+def test_what_a_step_of_newtons_method_raises_is_no_error_of_petsc(error, monkeypatch):
+    simulation = coarse_simulation()
+    load, newton = next(simulation.run()).step.load, simulation.solver._newton
+
+    def stop(x):
+        raise error("stop")
+
+    monkeypatch.setattr(newton.system, "linearise", stop)
+    with pytest.raises(error, match="stop"):
+        newton.solve(load._replace(P=load.P / 2))
+
+
 @pytest.mark.parametrize("predict", [False, True])
 def test_every_linear_solve_is_an_iteration(predict, monkeypatch):
     """The predictor too."""
