@@ -1,6 +1,7 @@
 """Draw the stress in the body through the cycle of a finished run:  python -m simulations.studies.body_stress DIR."""
 
 from argparse import Namespace
+from math import ceil
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -30,7 +31,7 @@ def main(arguments: list[str]):
     with style():
         shown = [state for state in states if state.label != "A, reloading"] or states  # A is there already
         columns = min(3, len(shown))
-        rows = -(-len(shown) // columns)
+        rows = ceil(len(shown) / columns)
         note = "von Mises stress of plane strain, means over cells, from the fields of the run; depth downwards."
         title = f"Stress in the body through the cycle\n{in_words(given.scene)}"
         figure, axes = panels(columns, title, note, rows, width=4.2, height=2.6)

@@ -117,7 +117,7 @@ def test_a_state_that_is_put_back_has_all_that_the_next_load_step_takes():
     states = simulation.run()
     for _ in range(3):
         next(states)
-    system, memory, body = simulation.solver.system, simulation.solver.problem.memory, simulation.body
+    system, memory, body = simulation.stepping.system, simulation.stepping.problem.memory, simulation.body
 
     def told():
         fields = body.state.x.array, body.delta.value, memory.anchors(), memory.states_at_rest()

@@ -172,8 +172,8 @@ def test_more_steps_round_an_ellipse_meet_the_same_loads(quarter):
     few, many = (stretched(rocking(1.0, 0.6, 1, n, harmonic=True), 2.0, 60) for n in (quarter, 2 * quarter))
     loads = np.array([step.load for step in many])
     assert all(np.abs(loads - step.load).max(axis=1).min() < 1e-12 for step in few)
-    undivided = [step.state for step, parts in zip(few[1:], equal_shares(few, False, 4), strict=True) if len(parts) == 1]
-    assert undivided == ["E", "A"]
+    shares = equal_shares(few, friction_first=False, finer=4)
+    assert [step.state for step, parts in zip(few[1:], shares, strict=True) if len(parts) == 1] == ["E", "A"]
 
 
 def test_stress_instead_of_strain():

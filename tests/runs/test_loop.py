@@ -127,7 +127,7 @@ def test_tractions_that_do_not_carry_the_load_are_seen_though_the_forces_do():
 @pytest.mark.parametrize("error", [KeyboardInterrupt, MemoryError])
 def test_what_a_step_of_newtons_method_raises_is_no_error_of_petsc(error, monkeypatch):
     simulation = coarse_simulation()
-    load, newton = next(simulation.run()).step.load, simulation.solver._newton
+    load, newton = next(simulation.run()).step.load, simulation.stepping._newton
 
     def stop(x):
         raise error("stop")

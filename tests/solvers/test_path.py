@@ -78,7 +78,7 @@ class Folded:
         place = np.clip(np.searchsorted(self._x, x.array_r[0]), 1, len(self._x) - 1)
         self._slope = np.diff(self._f)[place - 1] / np.diff(self._x)[place - 1]
 
-    def solve(self, b, x, held=False):
+    def solve(self, b, x, fixed=False):
         x.array[:] = b.array_r / self._slope
 
     def follow(self, start, balanced=1e-9, most=20):

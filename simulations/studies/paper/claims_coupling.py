@@ -197,8 +197,8 @@ def coupling_claims(runs: Runs, found: dict[tuple[float, float], Difference]) ->
         Claim(
             "5.3, Fig. 10b",
             "k = 0.3, ν = 0.3: only marginal deviations due to coupling",
-            f"slip: L2 difference {slip[COUPLED]:.1%} (half-plane {coupled.slip:.1%}), traction {coupled.traction:.1%}, "
-            f"energy {coupled.energy:+.1%}",
+            f"slip: L2 difference {slip[COUPLED]:.1%} (half-plane {coupled.slip:.1%}), "
+            f"traction {coupled.traction:.1%}, energy {coupled.energy:+.1%}",
             verdict(max(slip[COUPLED], coupled.traction, abs(coupled.energy)) <= AGREES_WELL),
         ),
         Claim(
