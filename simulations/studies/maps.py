@@ -28,7 +28,7 @@ INTRODUCTION = """\
 ν = {nu:g}, μ = {mu:g}. Made by `./docker/run python -m simulations.studies.maps`; `--help` names the options. The ends
 of the range of k that was searched are where most of the extremes lie: there the table says which way to go, not how
 far. Finite elements confirm the simulated energies: at k = −0.5, ν = μ = 0.3, parabola, Q_A = 0.6 μP they find 0.637
-of the theory's, the mesh-free loop 0.632 (first cycle). All ratios are to a homogeneous
+of the theory's in the first cycle, as mesh-free loops do. All ratios are to a homogeneous
 half-plane of modulus E0 under the same load. A power law has no length of its own: each loop serves every y0.
 
 """
