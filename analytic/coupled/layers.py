@@ -13,8 +13,7 @@ def displaced(contact, rule, x, on_rule, limits, alpha, beta):
     """u_x and u_y at x that the regular kernels of layers add, shape (2, len(x), columns), of q = friction p - r and
     p = on_rule + alpha r + beta root H[r/root].
 
-    on_rule: values at the nodes of the rule, (len(rule.x), columns); limits: of r, slices of the columns that have it,
-    its panels, and a function that takes a matrix, which acts on values of r/w at their nodes, and w to these columns.
+    on_rule: values at the nodes of the rule, (len(rule.x), columns); limits: see ``linear._limits``.
     """
     problem, friction = contact.problem, contact.friction
     N, T, D = problem.of_layers(x, rule.x) * rule.weights @ on_rule

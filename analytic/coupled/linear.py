@@ -57,9 +57,9 @@ def solve(base, friction, edges, layout, Q) -> Solution:
     p[:, -1] = rule.w * D(rule.t)
     smooth, rooted = p, p.copy()  # less alpha r, and beta v H[r/v] or beta root H[r/root]: both are smooth in stick
     u_x, at_edges, (of_p, of_r, over_w) = np.zeros((n, size)), np.zeros((2, size)), np.zeros((3, size))
-    parts = _parts(base, f, stick)
-    kernels = [stick.matrices(k), *([act(m, 1.0) for m in panels.matrices(x, k)] for _, panels, act in parts[1:])]
-    for (columns, panels, contracted), (even, odd) in zip(parts, kernels, strict=True):
+    limits = _limits(base, f, stick)
+    kernels = [stick.matrices(k), *([act(m, 1.0) for m in panels.matrices(x, k)] for _, panels, act in limits[1:])]
+    for (columns, panels, contracted), (even, odd) in zip(limits, kernels, strict=True):
         nodes, weights, weight = panels.nodes, panels.weights, contact.weight(panels.nodes)
         t, left, right = contact.local(nodes)
         root = np.sqrt(left * right)
@@ -84,9 +84,9 @@ def solve(base, friction, edges, layout, Q) -> Solution:
     if terms:
         places = np.concatenate([x, contact.middle + contact.half * chebpts1(terms)])
         heights = chebvander(contact.local(places)[0], terms - 1)
-        u = displaced(contact, rule, places, rooted, parts, alpha, beta)
+        u = displaced(contact, rule, places, rooted, limits, alpha, beta)
         if problem.kinks is not None:
-            fine = [_basis(stick, PARTS), *parts[1:]]
+            fine = [_of_basis(stick, PARTS), *limits[1:]]
             u += displaced_by_kinks(contact, rule, places, smooth, fine, alpha, beta, Q)
         u_x += u[0, :n]
         u_x[:, layers] -= ratio * heights[:n]
@@ -99,24 +99,24 @@ def solve(base, friction, edges, layout, Q) -> Solution:
     at_ends = at_edges @ np.append(solved[:-1], 1.0)
     tilt = solved[n + 1]
     ends = (solved[n] + np.array([-tilt, tilt])) / 2
-    state = SlipState(base, f, Q, contact, stick, solved[:n], (alpha, beta), D, len(parts) > 1)
+    state = SlipState(base, f, Q, contact, stick, solved[:n], (alpha, beta), D, len(limits) > 1)
     return Solution(state, *_of_edges(state, ends, beta * at_ends))
 
 
-def _basis(stick, parts):
-    """``_parts`` of the basis, the panels at its ends in so many ``parts``."""
-    return slice(stick.size), stick.rule(parts), lambda m, w: stick.contracted(m / w, parts)
-
-
-def _parts(base, friction, stick):
-    """Parts of r, that of the basis and that known from the turn, each with its columns of the linear system, panels,
+def _limits(base, friction, stick):
+    """Parts of r, that in the basis and that known from the turn, each with its columns of the linear system, panels,
     and a function that takes a matrix, which acts on values of r/w at their nodes, and w to these columns.
     """
-    parts, (low, high) = [_basis(stick, COARSE)], stick.inner[[0, -1]]
+    limits, (low, high) = [_of_basis(stick, COARSE)], stick.inner[[0, -1]]
     if stick.panels and np.any((base.breaks > low) & (base.breaks < high)):
         panels, r = base.limit_between(friction, low, high, stick.points)
-        parts.append((slice(-1, None), panels, lambda m, w: m @ (r / w)[:, None]))
-    return parts
+        limits.append((slice(-1, None), panels, lambda m, w: m @ (r / w)[:, None]))
+    return limits
+
+
+def _of_basis(stick, parts):
+    """The first of ``_limits``, the panels at its ends in so many ``parts``."""
+    return slice(stick.size), stick.rule(parts), lambda m, w: stick.contracted(m / w, parts)
 
 
 def _of_edges(state, ends, added):
