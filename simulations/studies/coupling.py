@@ -11,10 +11,12 @@ import numpy as np
 from scipy.interpolate import RectBivariateSpline
 
 from analytic import CoupledLoop, GradedHalfPlane, PowerProfile
+from analytic.coupled.rule import smooth_rule
 
 from ..command.command import comm, on_root, run, say
 from ..output.files import write_table
 from ..output.style import RED, save, style
+from ..runs.comparison import relative_l2
 from .commandline import read_map
 from .engine import FAILED, Item, Row, run_on
 from .store import Store
@@ -51,20 +53,15 @@ def changes(k: float, nu: float, mu: float) -> dict[str, float]:
     coupled, alone = (
         CoupledLoop(solid, PowerProfile(0.5, 2.0), 1.0, mu, coupling).run(loads) for coupling in (True, False)
     )
-    ends = np.array([state.contact for states in (coupled, alone) for state in states[-2:]])
-
-    def common(x):
-        return (x > ends[:, 0].max()) & (x < ends[:, 1].min())
-
-    edges = [edge for states in (coupled, alone) for edge in states[-1].contact]
-    x = np.mean([min(edges), max(edges)]) + (max(edges) - min(edges)) / 2 * np.sin(np.linspace(-1, 1, 4001) * np.pi / 2)
-    result = {}
-    for name, field in FIELDS.items():
-        with_coupling, without = (field(x, states) for states in (coupled, alone))
-        if name == "slip":  # where there is contact with and without coupling, at both ends of the way
-            with_coupling, without = (np.where(common(x), way, 0.0) for way in (with_coupling, without))
-        square = np.trapezoid([(with_coupling - without) ** 2, without**2], x)
-        result[name] = float(np.sqrt(square[0] / square[1]))
+    # where tractions are not smooth: they remember where each turn of Q left the edge of stick
+    edges = [edge for states in (coupled, alone) for state in states[1:] for edge in (*state.contact, *state.stick)]
+    x, weight = smooth_rule(min(edges), max(edges), edges)
+    left, right = np.transpose([state.contact for states in (coupled, alone) for state in states[-2:]])
+    common = np.where((x > left.max()) & (x < right.min()), weight, 0.0)  # with and without, at both ends of the way
+    result = {
+        name: relative_l2(common if name == "slip" else weight, field(x, coupled), field(x, alone))
+        for name, field in FIELDS.items()
+    }
     cycle = [states[-1].dissipated_energy - states[1].dissipated_energy for states in (coupled, alone)]
     return result | {"energy": cycle[0] / cycle[1] - 1}
 

@@ -56,18 +56,14 @@ def difference(k: float, nu: float, mu: float = MU) -> Difference:
     except ContactNotConverged:
         return Difference()
     state = states[1]
-    x, weight = common_rule([*state.contact, *state.stick, -loop.a, -loop.c, loop.c, loop.a])
+    edges = [*state.contact, *state.stick, -loop.a, -loop.c, loop.c, loop.a]
+    x, weight = smooth_rule(min(edges), max(edges), edges)
     under = np.where(np.abs(x) < loop.a, weight, 0.0)
     return Difference(
         traction=relative_l2(weight, state.traction_at(x), loop.amplitude.traction(x)),
         slip=relative_l2(under, -state.slip_at(x), loop.amplitude.slip(x)),
         energy=energy / loop.dissipated_energy - 1,
     )
-
-
-def common_rule(edges: list[float]) -> tuple[np.ndarray, np.ndarray]:
-    """Nodes and weights (n,) for integrals over all contacts that have these edges of contact and stick."""
-    return smooth_rule(min(edges), max(edges), edges)
 
 
 def differences(comm) -> dict[tuple[float, float], Difference]:
@@ -151,9 +147,10 @@ def inward() -> Claim:
 
 def mirrored() -> Claim:
     """q_E against -q_A; with coupling the mirror is that of x as well."""
-    start, end = simulated(NEGATIVE.k, NEGATIVE.nu)[-3:-1]
-    edges = [*start.contact, *start.stick, *end.contact, *end.stick]
-    x, weight = common_rule(edges + [-edge for edge in edges])
+    turns = simulated(NEGATIVE.k, NEGATIVE.nu)[1:]
+    start, end = turns[-3:-1]
+    edges = [way * edge for state in turns for edge in (*state.contact, *state.stick) for way in (1, -1)]
+    x, weight = smooth_rule(min(edges), max(edges), edges)
     plain, turned = (relative_l2(weight, -end.traction_at(way * x), start.traction_at(x)) for way in (1, -1))
     return Claim(
         "5.3, Fig. 11",
