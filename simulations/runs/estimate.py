@@ -98,6 +98,8 @@ def judged(
             cause = f"the error is not known, as the second mesh fails: {reason}"
             return Check(float("nan"), wanted, cause), {"wanted": wanted, "is_within": False}
     cause = f"{MORE_STEPS} or {TOO_COARSE}" if simulation.history.friction else TOO_COARSE  # else no memory
+    if unknown := [name for name, error in errors.last.items() if np.isnan(error)]:
+        cause = f"{', '.join(unknown)} not known, as of a stick zone too narrow for the mesh; {cause}"
     check = Check(errors.largest, wanted, "" if errors.largest <= wanted else cause)
     for words in errors.in_words():
         tell(words)

@@ -170,6 +170,7 @@ def test_an_accuracy_of_an_unknown_stick_zone_is_not_reached(reference, tmp_path
     words = "--accuracy", "2e-2", "--reference", reference, "--output", tmp_path / "run"
     done = run_command(scene, *words)
     assert done.returncode == 4 and done.stderr.startswith("checks that fail: accuracy (nan")
+    assert "c not known, as of a stick zone too narrow for the mesh; " in done.stderr
     assert "largest error of the last state nan (c;" in done.stdout and "NOT within" in done.stdout
     accuracy_of_run = json.loads((tmp_path / "run" / "summary.json").read_text())["accuracy"]
     assert not accuracy_of_run["is_within"] and accuracy_of_run["largest_error"] is None
