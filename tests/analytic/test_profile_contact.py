@@ -173,6 +173,8 @@ def test_partial_slip_of_any_profile(k, profile):
     assert profile.flat < c < a
     inner = ProfileContact(solid_of(k), profile, c)
     assert inner.P == pytest.approx(0.45 * contact.P, rel=RTOL)
+    resting = contact.partial_slip(MU, 0.0)
+    assert resting.c == a and resting.traction(0.9 * a) == resting.slip(0.9 * a) == 0
     x = np.concatenate([c * np.array([0.2, 0.7, 0.99]), c + (a - c) * np.array([0.01, 0.5, 0.99])])
     np.testing.assert_allclose(state.traction(x), MU * (contact.pressure(x) - inner.pressure(x)), rtol=1e-10)
     expected = MU * (contact.pressure_within(x) - inner.pressure_within(x))

@@ -80,6 +80,9 @@ def test_nested_loops_are_forgotten():
         np.testing.assert_allclose(one.memory.Q, other.memory.Q, rtol=1e-13)
     inner = contact.fretting(MU, 0.2 * MU * P).dissipated_energy
     assert nested[-1].dissipated_energy - plain[-1].dissipated_energy == pytest.approx(inner, rel=1e-11)
+    again = SpringPath(contact, MU).run([(P, Q * MU * P) for Q in (0.0, 0.9, -0.3, 0.1, -0.3, 0.1, -0.3, 0.9, 0.9)])
+    assert [len(state.memory.P) for state in again] == [2, 3, 4, 5, 4, 5, 4, 3, 3]  # whatever the last digits of turns
+    assert again[-1].stick_half_width == again[-2].stick_half_width  # a dwell changes nothing
 
 
 def test_loads_that_go_back_leave_traction_at_its_limit():
@@ -190,6 +193,9 @@ def test_energy_is_the_work_that_is_not_stored(contact):
     assert last.dissipated_energy == pytest.approx(work - stored, rel=1e-4)
     direct = path.run(loads)[-1].dissipated_energy
     assert last.dissipated_energy == pytest.approx(direct, rel=1e-9)
+    back = [(P, 0.0), (0.47 * P, -0.07 * MU * P), (0.92 * P, 0.58 * MU * P), (0.14 * P, -0.13 * MU * P)]
+    whole, pieces = (path.run(steps)[-1].dissipated_energy for steps in (back, lines(back, 20)))
+    assert whole == pytest.approx(pieces, rel=1e-9)  # punches that leave contact slip in both directions on the way
 
 
 def graded_nodes(edges, number=60):
@@ -259,6 +265,11 @@ def test_nearly_full_slip(rest):
     for one in (ray, state):
         np.testing.assert_allclose(one.traction(x), MU * one.pressure(x), rtol=1e-9)
     assert state.stick_half_width == state.half_width_below_limit < 1e-4 * state.contact_half_width
+
+
+def test_without_tangential_load_the_infinite_pressure_of_a_sharp_tip_has_no_traction():
+    state = SpringPath(power(-0.2, 1.0), MU).run([(P, 0.0)])[-1]
+    assert state.pressure(0.0) == np.inf and state.traction(0.0) == 0
 
 
 def test_refusals():

@@ -53,6 +53,23 @@ def test_a_way_that_is_not_smooth_has_no_balance():
     assert StraightWay(0.5, True, smooth.loads, jumps, smooth.loss, smooth.of_points).share == 1.0
 
 
+@pytest.mark.parametrize("start, end", [((1.0, 0.1), (1.0, 0.45)), ((1.0, -0.45), (1.0, 0.45)), ((1.0, 0.1), (0.9, 0.4))])
+def test_displacements_end_steeply_where_the_last_point_begins_to_slide(start, end):
+    """At |Q| = mu P, after a turn |ΔQ| = mu (P + P(0)). δ_x like the root of the way that is left has a known integral.
+
+    Where points tell the same to a ten-thousandth they are left alone.
+    """
+    mu, (dP, dQ), t = 0.5, np.subtract(end, start), np.linspace(0.0, 1.0, 9)
+    last = (mu * start[0] - start[1] if start[1] > 0 else 2 * mu * start[0]) / (dQ - mu * dP)
+    delta_x = 1 - np.sqrt(1 - t / last)
+    exact = dQ * (1 - 2 / 3 * last * (1 - (1 - 1 / last) ** 1.5))
+    work = 0.1 + dQ * np.trapezoid(delta_x, t) - exact
+    loads = tuple((start[0] + s * dP, start[1] + s * dQ, 0.0) for s in t)
+    ways = [StraightWay(mu, True, loads, tuple((0.0, x, 0.0) for x in delta_x), 0.1, of_points)
+            for of_points in (0.05, work * (1 + 1e-4))]
+    assert ways[0].work == pytest.approx(work, rel=1e-11) and ways[1].share == 1.0
+
+
 @pytest.mark.parametrize("unit", [1.0, 1e6])
 def test_which_load_goes_straight_on(unit):
     def load(P, Q, strain=0.0):
