@@ -29,6 +29,7 @@ SCENES: dict[str, str | bytes] = {
     "no_solid.toml": "[indenter]\nR = 0.1\n[load]\nP = 1e6\n",
     "no_load.toml": SOLID,
     "table_rises.toml": TABLE.format("[[0.0, 2e11], [2e-3, 1e11], [1e-3, 3e11]]"),
+    "table_jumps.toml": TABLE.format("[[0.0, 2e11], [1e-3, 1e11], [1e-3, 3e11]]"),
     "table_deep.toml": TABLE.format("[[1e-3, 2e11], [2e-3, 1e11]]"),
     "table_short.toml": TABLE.format("[[0.0, 2e11]]"),
     "table_soft.toml": TABLE.format("[[0.0, 2e11], [1e-3, 0.0]]"),
@@ -127,6 +128,7 @@ REFUSED: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     # contradictions
     "theta": (by_set("solver.theta=1", "solver.method=condensed"), ("solver.theta = 1", "0, or", "full")),
     "theta uncoupled": (by_set("solver.theta=1", "effects.coupling=false"), ("solver.theta = 1", "= false: 0, as")),
+    "theta -1 uncoupled": (by_set("solver.theta=-1", "effects.coupling=false"), ("solver.theta = -1", "= false: 0, as")),
     "no Holl ratio": (by_set("solid.k=-0.3"), ('"holl"', "k = -0.3")),
     "Holl ratio of a coating": (
         by_set('solid.modulus="power-law coating"', "solid.thickness=1e-3"),
@@ -142,6 +144,7 @@ REFUSED: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
         by_set("solid.nu=0.5", "effects.incompressibility=false"),
         ("effects.incompressibility", "nu = 1/2"),
     ),
+    "mixed of degree 1": (by_set("solid.nu=0.5", "mesh.degree=1"), ("mesh.degree = 1", "mixed unknowns: 2 or 3")),
     "mixed at nu < 0": (
         by_set("solid.nu=-0.2", "effects.incompressibility=true"),
         ("effects.incompressibility", "nu = -0.2"),
@@ -157,6 +160,7 @@ REFUSED: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
         ("solid.y0 = 1 and solid.y0_over_a0 = 10 are not allowed together: one of them is to be given",),
     ),
     "table that rises": (("table_rises.toml",), ("solid.points", "depths grow from 0 on")),
+    "table that jumps": (("table_jumps.toml",), ("solid.points", "depths grow from 0 on")),
     "table from a depth on": (("table_deep.toml",), ("solid.points", "depths grow from 0 on")),
     "table of one point": (("table_short.toml",), ("solid.points", "two or more pairs [y, E]")),
     "table without stiffness": (("table_soft.toml",), ("solid.points", "E > 0")),
@@ -223,6 +227,8 @@ REFUSED: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     ),
     "state of a cycle": (by_set("load.cycles=0", 'output.states=["E"]'), ("output.states", "this run has normal, A")),
     "line of four": (by_set("output.lines=[[0, 0, 1e-3, 9]]"), ("output.lines", "[x0, y0, x1, y1, n]")),
+    "line of one point": (by_set("output.lines=[[0, 0, 0, 1e-3, 1]]"), ("output.lines", "2 ≤ n")),
+    "line without length": (by_set("output.lines=[[0, 1e-3, 0, 1e-3, 9]]"), ("output.lines", "two different ends")),
     "line above the surface": (by_set("output.lines=[[0, 0, 0, -1e-3, 9]]"), ("output.lines", "y ≥ 0")),
     "half a point on a line": (by_set("output.lines=[[0, 0, 0, 1e-3, 9.5]]"), ("output.lines", "an integer n")),
     "line that leaves the domain": (
@@ -245,6 +251,7 @@ REFUSED: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "other variable": (by_set(FORMULA, "indenter.formula=y**2"), ("indenter.formula", "arithmetic")),
     "formula without x": (by_set(FORMULA, "indenter.formula=R+1"), ("indenter.formula", "depend on x")),
     "tower of powers": (by_set(FORMULA, "indenter.formula=x*9**9**9"), ("indenter.formula", "no float")),
+    "tower of negative powers": (by_set(FORMULA, "indenter.formula=x*9**-9**7"), ("indenter.formula", "no float")),
     "division by zero": (by_set(FORMULA, "indenter.formula=x/0"), ("indenter.formula", "real function")),
     "imaginary": (by_set(FORMULA, "indenter.formula=sqrt(-x)"), ("indenter.formula", "real function")),
     "not convex": (by_set(FORMULA, "indenter.formula=x**2/R-1e7*x**4"), ("not convex",)),

@@ -98,6 +98,22 @@ def test_numbers_of_numpy_are_numbers(key, value, read):
     assert found == read and type(found) is type(read)
 
 
+def test_a_key_that_is_none_takes_nothing_else_away():
+    """A length does, which stands in the place of its ratio to a0."""
+    assert make_scene({"solid.y0": None}) == make_scene()
+    scene = make_scene({"solid.y0": 0.01})
+    assert (scene.solid.y0, scene.solid.y0_over_a0) == (0.01, None)
+
+
+def test_a_file_may_begin_with_a_byte_order_mark(tmp_path):
+    (tmp_path / "scene.toml").write_text("\ufeff" + DEFAULT_SCENE, encoding="utf-8")
+    assert make_scene(base=tmp_path / "scene.toml") == make_scene()
+
+
+def test_the_mean_stress_is_an_unknown_above_0_47():
+    assert [make_scene({"solid.nu": nu}).is_mixed for nu in (0.46, 0.47, 0.48)] == [False, False, True]
+
+
 def test_points_may_be_an_array():
     points = np.array([[1e6, 0.0], [1e6, 2e5]])
     assert Path(points=points, mu=0.3) == Path(points=[(1e6, 0), (1e6, 2e5)], mu=0.3)
