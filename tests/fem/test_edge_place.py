@@ -4,7 +4,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from simulations.fem.edge_place import best_place, missed, zeta
+from simulations.fem.edge_place import best_place, missed, vanishing_place, zeta
 from simulations.fem.lagrange import LOBATTO
 
 
@@ -32,3 +32,14 @@ def test_nothing_is_missed_at_the_best_place(degree, k):
     scale = count ** -(1 + beta)
     assert abs(error(place)) < 0.01 * scale
     assert error(0.5) == pytest.approx(float(missed(degree, k, 0.5)) * scale, abs=0.01 * scale)
+    t, step = np.linspace(0.06, 0.94, 2001), 1e-5
+    phi = missed(degree, k, t)
+    steepness = np.abs(np.diff(phi)[phi[1:] * phi[:-1] < 0]) / (t[1] - t[0])  # wherever nothing is missed
+    here = np.diff(missed(degree, k, place + step * np.array([-1, 1])))[0] / (2 * step)
+    assert abs(here) == pytest.approx(steepness.min(), rel=1e-2)
+
+
+def test_where_traction_ends_nearly_like_a_box_the_place_is_that_measured():
+    """docs/accuracy.md, with degree 2: from 0.65 (k = -0.7) to 0.6 (k = -0.9)."""
+    assert [best_place(2, k) for k in (-0.9, -0.8, -0.7)] == pytest.approx([0.6, 0.625, 0.65])
+    assert best_place(3, -0.8) == vanishing_place(3, -0.8) and best_place(2, -0.67) == vanishing_place(2, -0.67)

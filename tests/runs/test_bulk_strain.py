@@ -58,6 +58,7 @@ def test_against_the_closed_form(cycles):
     [
         ({}, True, 6),
         ({"load.bulk_strain": 10 * STRAIN}, False, 6),
+        ({"load.bulk_phase": 0}, True, 6),
         ({"load.bulk_phase": "constant"}, False, 6),
         ({"load.bulk_phase": 90}, False, 12),
     ],
@@ -181,6 +182,8 @@ def test_stress_instead_of_strain():
     scene = parse(UNCOUPLED, ("load.bulk_stress=1e8", "load.bulk_depth=1e-3"))
     E = scene.half_plane.modulus(1e-3)
     assert scene.bulk_strain == pytest.approx(1e8 * (1 - 0.3**2) / E)
+    plain = make_scene({"solid.k": 0.3, "effects.grading": False, "load.bulk_stress": 1e8}, UNCOUPLED)
+    assert plain.bulk_strain == pytest.approx(1e8 * (1 - 0.3**2) / plain.solid.E0)
 
 
 LINEAR = {"modulus": "linear", "E0": 100e9, "E_substrate": 200e9, "thickness": 1e-3, "nu": 0.3}

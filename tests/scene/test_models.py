@@ -41,6 +41,8 @@ def test_tables_make_the_scene_that_text_makes():
         indenter={"R": 0.1},
         load={"P": 1e6, "mu": 0.3, "amplitude": 0.9},
     )
+    named = PowerLaw(E0=210e9, k=0.3, nu="holl", y0=None, y0_over_a0=10)  # a key that does not apply may be named
+    assert scene == Scene(title=scene.title, solid=named, indenter=Parabola(R=0.1), load=LOAD)
 
 
 def test_an_error_of_the_program_is_not_blamed_on_the_title(monkeypatch):
