@@ -53,21 +53,28 @@ def test_a_way_that_is_not_smooth_has_no_balance():
     assert StraightWay(0.5, True, smooth.loads, jumps, smooth.loss, smooth.of_points).share == 1.0
 
 
-@pytest.mark.parametrize("start, end", [((1.0, 0.1), (1.0, 0.45)), ((1.0, -0.45), (1.0, 0.45)), ((1.0, 0.1), (0.9, 0.4))])
-def test_displacements_end_steeply_where_the_last_point_begins_to_slide(start, end):
-    """At |Q| = mu P, after a turn |ΔQ| = mu (P + P(0)). δ_x like the root of the way that is left has a known integral.
-
-    Where points tell the same to a ten-thousandth they are left alone.
+@pytest.mark.parametrize(
+    "coupled, start, end",
+    [
+        (True, (1.0, 0.1), (1.0, 0.45)),
+        (True, (1.0, -0.45), (1.0, 0.45)),  # after a turn
+        (True, (1.0, 0.1), (0.9, 0.4)),
+        (False, (1.0, 0.1), (0.9, 0.4)),
+    ],
+)
+def test_displacements_end_steeply_where_the_last_point_begins_to_slide(coupled, start, end):
+    """At |Q| = mu P, after a turn |ΔQ| = mu (P + P(0)). All like the root of what is left of the way, which has a known
+    integral; with a dwell. Where points tell the same to a ten-thousandth they are left alone.
     """
-    mu, (dP, dQ), t = 0.5, np.subtract(end, start), np.linspace(0.0, 1.0, 9)
+    mu, (dP, dQ), t = 0.5, np.subtract(end, start), np.array([0, 1, 2, 3, 4, 4, 5, 6, 7, 8]) / 8
     last = (mu * start[0] - start[1] if start[1] > 0 else 2 * mu * start[0]) / (dQ - mu * dP)
-    delta_x = 1 - np.sqrt(1 - t / last)
-    exact = dQ * (1 - 2 / 3 * last * (1 - (1 - 1 / last) ** 1.5))
-    work = 0.1 + dQ * np.trapezoid(delta_x, t) - exact
-    loads = tuple((start[0] + s * dP, start[1] + s * dQ, 0.0) for s in t)
-    ways = [StraightWay(mu, True, loads, tuple((0.0, x, 0.0) for x in delta_x), 0.1, of_points)
-            for of_points in (0.05, work * (1 + 1e-4))]
-    assert ways[0].work == pytest.approx(work, rel=1e-11) and ways[1].share == 1.0
+    root = 1 - np.sqrt(1 - t / last)
+    loads = tuple((start[0] + s * dP, start[1] + s * dQ, 1e-3 * s) for s in t)
+    conjugates = tuple((0.2 * r, r, 100 * r) for r in root)
+    exact = 1 - 2 / 3 * last * (1 - (1 - 1 / last) ** 1.5)
+    work = 0.1 + (0.2 * dP * coupled + dQ + 0.1) * (np.trapezoid(root, t) - exact)
+    half, same = (StraightWay(mu, coupled, loads, conjugates, 0.1, points) for points in (0.05, work * (1 + 1e-4)))
+    assert half.work == pytest.approx(work, rel=1e-11) and same.share == 1.0
 
 
 @pytest.mark.parametrize("unit", [1.0, 1e6])

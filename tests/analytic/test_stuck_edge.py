@@ -53,6 +53,8 @@ def test_the_angle_is_that_of_the_integral_of_the_rates(k, nu):
     for distance in (0.02, 0.2, 0.31, 0.5, 2.0):
         expected = np.angle(moved(distance) / moved(advance))
         assert edge.angle([distance], advance, wide) == pytest.approx(expected, abs=1e-6)
+        expected -= edge.oscillation * np.log((distance + 2.0) / (advance + 2.0))  # to the other edge, 2 away
+        assert edge.angle([distance], advance, 2.0) == pytest.approx(expected, abs=1e-6)
 
 
 def test_where_a_contact_grows_from_a_point_all_points_touch_alike():
@@ -63,3 +65,11 @@ def test_where_a_contact_grows_from_a_point_all_points_touch_alike():
 def test_turned_and_back():
     edge = StuckEdge(half_plane(0.3, 0.0))
     assert edge.turned(edge.turned(-0.7, 0.2), -0.2) == pytest.approx(-0.7)
+    assert edge.turned(0.0, 0.2) == pytest.approx(np.sqrt(1.3) * np.tan(0.2))  # alpha = 1 + k
+    assert 5 < edge.turned(1.0, 1.0) < 10  # beyond a right angle it would change its sign
+
+
+def test_points_that_touch_once_the_edge_has_come_to_them_differ_by_their_distances_from_the_other_edge():
+    edge = StuckEdge(half_plane(-0.5, 0.0))
+    near, far = edge.touching(np.array([0.1, 0.5]), 2.0)
+    assert far - near == pytest.approx(edge.oscillation * np.log((2.1 / 0.1) / (2.5 / 0.5)))
