@@ -157,6 +157,7 @@ def test_strained_properties(k, load, share, Q):
     np.testing.assert_array_equal(stretched.slip(x, -Q, "reloading"), -stretched.slip(x, Q, "unloading"))
     np.testing.assert_allclose(stretched.traction(x, -loop.Q_A, "unloading"), -full, atol=1e-10 * limit.max())
     assert stretched.dissipated(-loop.Q_A, "unloading") == pytest.approx(stretched.dissipated_energy / 2, rel=1e-9)
+    assert stretched.dissipated(loop.Q_A, "initial") == pytest.approx(stretched.dissipated_energy / 4, rel=1e-9)
     assert stretched.dissipated_energy >= loop.dissipated_energy * (1 - 1e-12)
 
 
@@ -215,6 +216,7 @@ def test_refusals():
     for strain in (1.001 * largest, -1.001 * largest):
         with pytest.raises(ValueError, match="one edge of the stick zone does not recede"):
             StretchedLoop(loop, strain)
+    assert StretchedLoop(loop, largest * (1 + 4e-16)).strain > largest  # its last digits are not refused
     with pytest.raises(ValueError, match="strain = nan is outside the admissible range"):
         StretchedLoop(loop, float("nan"))
     solid = loop.contact.solid
