@@ -25,21 +25,28 @@ from simulations.runs.timing import Stopwatch
 from simulations.scene import DEFAULT_SCENE, make_scene, parse
 
 
+def surface_of(x, p, q, mu) -> SurfaceState:
+    """With pressure and traction alone."""
+    none = np.zeros((2, len(x)))
+    return SurfaceState(x, np.gradient(x), p, q, none, np.zeros(2), none, mu=mu)
+
+
 def test_of_two_zones_of_stick_the_longest_counts_not_the_one_with_more_nodes():
     x = np.concatenate([np.linspace(-1, 0.5, 100), np.linspace(0.5, 1, 400)[1:]])
     p, mu = np.sqrt(1.0 - np.minimum(x**2, 1.0)), 0.3
     slides = (np.abs(x + 0.9) < 0.05) | (np.abs(x - 0.65) < 0.05)
     q = np.where(slides, mu * p, 0.5 * mu * p)
-    surface = SurfaceState(x, np.gradient(x), p, q, np.zeros((2, len(x))), np.zeros(2), np.zeros((2, len(x))), mu=mu)
+    surface = surface_of(x, p, q, mu)
     left, right = fitted_stick_edges(surface, 1, lambda s: (0.5, 0.5))
     assert left == pytest.approx(-0.85, abs=0.05) and right == pytest.approx(0.6, abs=0.05)
 
 
-def test_a_traction_that_is_known_to_be_below_its_limit_is_not_at_its_limit():
-    x, none = np.arange(3.0), np.zeros((2, 3))
-    below = np.array([0.0, 1e-7, 1e-5])
-    surface = SurfaceState(x, x, np.ones(3), 0.3 * (1 - below), none, np.zeros(2), none, mu=0.3)
-    assert surface.slides.tolist() == [1.0, 1.0, 0.0]
+def test_a_node_that_slides_within_stick_ends_no_zone_of_it():
+    x, mu = np.linspace(-1, 1, 801), 0.3
+    p = np.sqrt(1.0 - np.minimum(x**2, 1.0))
+    q = np.where((np.abs(x) > 0.6) | (np.abs(x - 0.1) < 1e-3), mu * p, 0.5 * mu * p)
+    surface = surface_of(x, p, q, mu)
+    assert fitted_stick_edges(surface, 1, lambda s: (0.5, 0.5)) == pytest.approx((-0.6, 0.6), abs=0.01)
 
 
 def test_an_edge_of_stick_is_read_with_the_power_of_the_slip_beside_it_not_of_the_slip_beyond():
@@ -49,7 +56,7 @@ def test_an_edge_of_stick_is_read_with_the_power_of_the_slip_beside_it_not_of_th
     margin = np.maximum(0.4 - np.abs(x), 0.0) ** np.where(x < 0, powers[1.0], powers[-1.0])
     beside = mu * p * -np.sign(x) * (1.0 - margin)
     q = np.where(np.abs(x) < 0.7, beside, -beside)
-    surface = SurfaceState(x, np.gradient(x), p, q, np.zeros((2, len(x))), np.zeros(2), np.zeros((2, len(x))), mu=mu)
+    surface = surface_of(x, p, q, mu)
     edges = fitted_stick_edges(surface, 0, lambda s: (powers[s], powers[s]))
     assert edges == pytest.approx((-0.4, 0.4), abs=1e-4)
 
