@@ -101,6 +101,10 @@ def test_what_is_reused_has_the_numbers_of_its_own_body(first, monkeypatch):
             one, other = getattr(mine.surface, name), getattr(own.surface, name)
             assert np.abs(one - other).max() <= 1e-8 * own.surface.pressure.max()
         assert mine.surface.delta == pytest.approx(own.surface.delta, abs=1e-8)  # also where it is nowhere asked for
+    shared.body.recover = pytest.fail  # of the state before
+    shared.body.reset()
+    shared.body.complete()
+    assert not shared.body.state.x.array.any()
 
 
 def test_dense_matrices_have_their_limit_on_the_mesh_of_a_run_without_them(first, monkeypatch):
