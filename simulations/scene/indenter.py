@@ -170,12 +170,14 @@ def _constant(node) -> float | None:
         return float(node.value)  # type: ignore[arg-type]  # a number: _is_arithmetic
     if isinstance(node, ast.UnaryOp):
         value = _constant(node.operand)
-        return None if value is None else abs(value)
+        return None if value is None else OPERATIONS[type(node.op)](value)
     if isinstance(node, ast.Call):
         _constant(node.args[0])
     if isinstance(node, ast.BinOp):
         left, right = _constant(node.left), _constant(node.right)
         if left is not None and right is not None:
             value = OPERATIONS[type(node.op)](left, right)
+            if value == 0 != left and OPERATIONS[type(node.op)] is operator.pow:
+                raise OverflowError  # a power too small for a float is a fraction of as many digits
             return value if isinstance(value, float) else None
     return None
