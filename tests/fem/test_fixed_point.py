@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from dolfinx import fem
-from test_patch import confined_block, pressed
+from test_patch import DEPTH, NU, confined_block, pressed
 
 from forms.contact import CLOSED, X, Y
 from simulations.fem.contact_problem import ContactProblem, Nitsche
@@ -18,6 +18,14 @@ def at_rest(request):
     problem = pressed(body, True, load, "full")
     problem.memory.come_to_rest()
     return problem, load
+
+
+def test_nitsches_parameter(at_rest):
+    """gamma = gamma0 degree² E/((1 - nu²) h), in s = y^(1-k), where E/(dy/ds) = 1 - k and h is a tenth of the depth."""
+    terms, k = at_rest[0].terms, at_rest[0].body.modulus.k
+    gamma = 10.0 * 2**2 * (1 - k) / (1 - NU**2) / (0.1 * DEPTH ** (1 - k))
+    expected = np.finfo(float).eps * gamma * np.linalg.norm(terms.tributary_lengths())
+    assert terms.force_per_digit == pytest.approx(expected, rel=1e-12, abs=0)
 
 
 def slip_memory(problem):

@@ -185,7 +185,10 @@ REFUSED: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     # numbers that do not fit together
     "overflow": (by_set("load.P=1e300", "solid.E0=1e-300"), ("do not fit together",)),
     "underflow": (by_set("load.P=1e-300", "solid.E0=1e300"), ("do not fit together",)),
-    "no pressure": (by_set("load.P=1e-300", "solid.E0=1e-320", "indenter.R=1e28"), ("do not fit together", "P/a = 0 Pa")),
+    "no pressure": (
+        by_set("load.P=1e-300", "solid.E0=1e-307", "indenter.R=1e41"),
+        ("do not fit together: a0 = 1.01615e+24 m, P/a = 0 Pa",),
+    ),
     "load beyond the circle": (
         by_set("indenter.profile=circle", "load.P=1e13"),
         ("do not fit together", "load.P = 1e+13 N/m, indenter.R = 0.1 m", "before it carries P"),
