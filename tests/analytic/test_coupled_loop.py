@@ -248,6 +248,8 @@ def test_states_just_after_such_loads_are_not_certain():
     path = [(P, 0.0), *((P, P * mu * 0.742 * share) for share in (7 / 16, 10 / 16, 1.0))]
     _, early, later, turn = CoupledLoop(solid, PROFILE, P, mu).where_known(path)
     assert not early.is_certain and later.is_certain and turn.is_certain
+    back = CoupledLoop(solid, PROFILE, P, mu).where_known([*path[:2], (P, -path[1][1])])[-1]
+    assert not back.is_certain and back.branch.is_certain(back.Q / P)  # after a turn in such a state
     shares = np.append(np.geomspace(1 / 16, 7 / 16, 21), np.geomspace(7 / 16, 10 / 16, 5)[1:])
     steps = HalfPlaneContact(solid, PROFILE, mu, nodes=150).run([(P, 0.0), *((P, turn.Q * s) for s in shares)])
     assert error(early, early.traction, steps[21].traction_at(early.x)) > 0.03
@@ -312,6 +314,12 @@ def test_kernels_over_panels(k):
         assert odd == pytest.approx(moment(x, 1) - moment(x - 1, 1), abs=1e-11)
         if k:
             assert even == pytest.approx((moment(x, 0) - moment(x - 1, 0) - 0.5) / k, abs=1e-11)
+
+
+def test_kernels_of_the_smallest_k_are_those_of_none():
+    panels, x = Panels.between(np.array([0.0, 0.3, 1.0])), np.array([-0.2, 1e-3, 0.77, 1.5])
+    for tiny, none in zip(panels.matrices(x, 1e-12), panels.matrices(x, 0.0)):
+        assert tiny == pytest.approx(none, abs=1e-11)
 
 
 def test_exponents():
