@@ -95,6 +95,7 @@ def test_slip_in_one_direction_is_never_singular(k):
     np.testing.assert_allclose(rates.pressing, -rates.pressing.T, atol=1e-10 * np.abs(rates.pressing).max())
     one_way = np.array(list(itertools.product((0.0, 1.0), repeat=10)))
     assert np.all(np.isinf(rates.singular(np.vstack([one_way, -one_way]))))
+    assert np.isinf(rates.singular(signs("-------+-+"))[0])  # nor is it a bound where all slip
 
 
 @pytest.mark.parametrize(
