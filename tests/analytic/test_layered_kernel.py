@@ -89,6 +89,17 @@ def test_coupling_as_far_as_is_asked(modulus, k, nu, thickness):
     assert kernel.smooth(np.array([largest]))[2, 0] == pytest.approx(expected, abs=1e-3 * abs(kernel.surface.d))
 
 
+def test_far_from_a_force_a_thin_coating_leaves_the_kernels_of_its_substrate():
+    """-2 (1 - nu²)/(pi E) ln|x|, though its own law grows for long waves: what is left of them are 2 % of this."""
+    thickness = 0.005
+    kernel = LayeredKernel(
+        lambda y: np.minimum(y / thickness, 1.0) ** -0.8,
+        GradedHalfPlane(1.0, 0.3, -0.8, thickness), thickness, 1e-4 * thickness, 8.0,
+    )
+    near, far = kernel.values(np.array([4.0, 8.0]))[:2].T
+    assert far - near == pytest.approx(-2 * 0.91 / np.pi * np.log(2), rel=2e-4)
+
+
 @pytest.mark.parametrize("k, thickness", [(-0.8, 2.0), (-0.8, 0.3), (-0.8, 0.02), (-0.5, 2.0), (0.0, 0.3)])
 def test_short_waves_see_the_power_law_alone(k, thickness):
     """Shorter than any that were fitted too: with a negative compliance nodes at the edges have no contact problem."""
