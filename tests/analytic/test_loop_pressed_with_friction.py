@@ -74,6 +74,12 @@ def test_work_of_friction_is_that_along_the_way():
     assert found == pytest.approx(work, rel=5e-3)
 
 
+def test_the_work_of_pressing_is_part_of_the_energy():
+    """A small Q adds little to it."""
+    pressed, little = (state.dissipated_energy for state in loop(0.0, 0.2, 0.25, 0.02)[1:])
+    assert pressed < little < 1.1 * pressed
+
+
 def test_order_of_the_basis():
     path = 0.5, 0.65, 0.3, -0.65, 0.65
     lower, higher = (loop(0.3, 0.3, 0.5, *path, order=order) for order in (8, 10))
