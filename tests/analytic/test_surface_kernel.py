@@ -126,7 +126,7 @@ def test_element_moments_near_and_far(k):
                             [abs(xi - left - t * length)]))[c, 0] * t**r, 0, 1, epsabs=0, epsrel=1e-11, limit=200)[0]
                         for c in range(3)
                     ]
-                    assert moments[:, r, i, j] == pytest.approx(np.array(f) * length, rel=1e-9)
+                    assert moments[:, r, i, j] == pytest.approx(np.array(f) * length, rel=1e-9, abs=0)
 
 
 @pytest.mark.parametrize("k", [-0.5, 0.0, 0.3, 0.9])
