@@ -128,7 +128,7 @@ REFUSED: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     # contradictions
     "theta": (by_set("solver.theta=1", "solver.method=condensed"), ("solver.theta = 1", "0, or", "full")),
     "theta uncoupled": (by_set("solver.theta=1", "effects.coupling=false"), ("solver.theta = 1", "= false: 0, as")),
-    "theta -1 uncoupled": (by_set("solver.theta=-1", "effects.coupling=false"), ("solver.theta = -1", "= false: 0, as")),
+    "theta -1 uncoupled": (by_set("solver.theta=-1", "effects.coupling=false"), ("solver.theta = -1", "false: 0, as")),
     "no Holl ratio": (by_set("solid.k=-0.3"), ('"holl"', "k = -0.3")),
     "Holl ratio of a coating": (
         by_set('solid.modulus="power-law coating"', "solid.thickness=1e-3"),
