@@ -58,6 +58,12 @@ def test_point_force_stress_is_that_of_its_displacement(k, force):
     np.testing.assert_allclose(stress, expected, atol=1e-5 * np.abs(stress).max())
 
 
+@pytest.mark.parametrize("k", [-0.3, 0.0])
+def test_no_displacement_vanishes_at_infinity_unless_k_is_positive(k):
+    with pytest.raises(ValueError, match="give fixed_depth"):
+        point_force_displacement(kernel_of(k).solid, 0.3, 0.2, 1.0)
+
+
 @pytest.mark.parametrize("nu", RATIOS)
 def test_coupling_parameter(nu):
     """d = sqrt(bg) cot(beta pi/2), its limit for k = 0, its zero and change of sign at the Holl ratio."""

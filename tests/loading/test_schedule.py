@@ -31,3 +31,10 @@ def test_the_load_parameter_is_the_length_of_the_way_in_the_largest_loads(side):
     loads = (0.5, 0.0), (1.0, 0.0), (1.0, 0.2), (1.0, -0.1), (0.5, -0.1)
     found = load_parameter([LoadStep(Load(P, side * Q)) for P, Q in loads])
     assert found == pytest.approx([0.5, 1.0, 2.0, 3.5, 4.0])
+
+
+def test_part_of_the_way_to_a_load_and_loads_that_are_equal():
+    """As far as a load of this P is known, however small it is."""
+    assert Load(1.0, 0.1).towards(Load(0.5, 0.3, 2e-4), 0.25) == pytest.approx((0.875, 0.15, 5e-5))
+    for P in (1.0, 1e-6):
+        assert Load(P).is_near(Load(P, 1e-10 * P)) and not Load(P).is_near(Load(P, 1e-8 * P))

@@ -120,6 +120,12 @@ def test_cell_sizes_are_not_given_twice():
     assert parse(scene.to_toml()) == scene
 
 
+def test_without_grading_the_mesh_is_that_of_a_homogeneous_body():
+    wanted = {"solver.accuracy": 3e-3, "solid.nu": 0.3}
+    without, homogeneous = (make_scene(wanted | one) for one in ({"effects.grading": False}, {"solid.k": 0.0}))
+    assert without.mesh == homogeneous.mesh != make_scene(wanted).mesh
+
+
 def test_a_coating_is_coupled_at_the_holl_ratio_of_its_k_too():
     coupled, uncoupled = (accuracy.choose(3e-3, 0.3, 0.9, which).mesh["mesh.facet"] for which in (True, False))
     power_law = make_scene({"solid.nu": 1 / 2.3, "solver.accuracy": 3e-3})

@@ -114,6 +114,11 @@ def test_what_counts_for_a_table_is_its_first_layer(first, expected):
     assert Scaled.of(scene).kernel.first_layer == pytest.approx(first / scene.half_width)
 
 
+def test_a_film_far_thinner_than_the_contact_has_its_kernel():
+    text = SCENE.format(modulus="linear", more="E_substrate = 70e9", thickness=1e-5)
+    assert Scaled.of(make_scene(base=text)).kernel.misfit.max() < 1e-6
+
+
 def test_a_contact_too_wide_for_its_indenter_names_the_table():
     with pytest.raises(SceneError, match="look at solid.points, load.P"):
         make_scene({"load.P": 1e11}, TABLE)

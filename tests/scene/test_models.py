@@ -116,6 +116,20 @@ def test_the_mean_stress_is_an_unknown_above_0_47():
     assert [make_scene({"solid.nu": nu}).is_mixed for nu in (0.46, 0.47, 0.48)] == [False, False, True]
 
 
+@pytest.mark.parametrize("solid", [PowerLaw(E0=1, k=0, nu="holl", y0=1), Homogeneous(E0=1, nu="holl")])
+def test_the_holl_ratio_of_a_homogeneous_solid(solid):
+    assert solid.nu == 0.5
+
+
+def test_fields_are_kept_in_the_order_of_the_files():
+    assert make_scene({"output.fields": ["von_mises", "displacement"]}).output.kept == ("displacement", "von_mises")
+
+
+def test_a_circle_has_all_its_digits_near_its_tip():
+    shape = make_scene({"indenter.profile": "circle", "indenter.R": 0.1}).shape
+    assert shape.height(1e-8) == pytest.approx(1e-16 / 0.2, rel=1e-12, abs=0)
+
+
 def test_points_may_be_an_array():
     points = np.array([[1e6, 0.0], [1e6, 2e5]])
     assert Path(points=points, mu=0.3) == Path(points=[(1e6, 0), (1e6, 2e5)], mu=0.3)
