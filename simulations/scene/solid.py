@@ -73,7 +73,7 @@ def equivalent_half_width(solid: AnySolid, shape: Shape, P: float) -> float:
 def modulus(solid: AnySolid, length: float, stress: float) -> forms.Modulus:
     """E(y) of the forms with depth in units of ``length`` and E in units of ``stress``."""
     E0 = solid.E0 / stress
-    if isinstance(solid, Homogeneous) or (isinstance(solid, PowerLaw) and solid.k == 0):
+    if isinstance(solid, Homogeneous):
         return forms.PowerLaw.of(0.0, E0)
     if isinstance(solid, Tabulated):
         return forms.Tabulated(*zip(*((y / length, E / stress) for y, E in solid.points), strict=True))
