@@ -68,10 +68,12 @@ class CoupledLoop:
                 raise ContactNotConverged(f"P = {P!r} while Q acts: P has to stay at {self.P!r} after the normal stage")
         if self.friction_first and any(P < before for (before, _), (P, _) in pairwise(loads[:first])):
             raise ContactNotConverged("P falls before Q acts, and friction from first contact remembers it")
-        pressed = (self._normal(P) for P, _ in loads[:first])
-        states = [CoupledState(normal, normal) for normal in pressed]
+        normal_stages = [self._normal(P) for P, _ in loads[:first]]
+        states = [CoupledState(normal, normal) for normal in normal_stages]
+        if first == len(loads):
+            return states
         alike = list(dict.fromkeys(state.branch for state in like if state.branch))
-        return states + self._tangential([Q / self.P for _, Q in loads[first:]], alike)
+        return states + self._tangential(normal_stages[-1], [Q / self.P for _, Q in loads[first:]], alike)
 
     def _normal(self, P):
         if self.friction_first and self.coupling:
@@ -80,9 +82,8 @@ class CoupledLoop:
             return PressedWithFriction(self.solid, self.profile, P, self.mu, self.order)
         return NormalStage(self.solid, self.profile, P, self.mu, self.coupling, self.order)
 
-    def _tangential(self, loads, alike):
-        """States at the loads Q/P; alike: branches of a loop at the same loads, or none."""
-        normal = self._normal(self.P)
+    def _tangential(self, normal, loads, alike):
+        """States at the loads Q/P after the normal stage; alike: branches of a loop at the same loads, or none."""
         base, turn = normal, None
         branches: list[Branch] = []
         states: list[CoupledState | ContactNotConverged] = []
