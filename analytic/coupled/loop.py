@@ -18,6 +18,7 @@ from .state import CoupledState
 from .work import FrictionalWork
 
 ORDER = 10  # of the basis, which also says at how many loads a branch is solved for its energy
+SAME = 1e-12  # of P: tangential loads this close are one, and there is no turn between them
 
 
 @dataclass(frozen=True)
@@ -62,7 +63,7 @@ class CoupledLoop:
             require_partial_slip(P, Q, self.mu)
         if loads and loads[0][1] != 0:
             raise ValueError(f"Q = {loads[0][1]!r} at first contact: the first load has Q = 0")
-        first = next((i for i, (_, Q) in enumerate(loads) if Q != 0), len(loads))
+        first = next((i for i, (_, Q) in enumerate(loads) if abs(Q) > SAME * P), len(loads))
         for P, _ in loads[max(first - 1, 0) :]:
             if P != self.P:
                 raise ContactNotConverged(f"P = {P!r} while Q acts: P has to stay at {self.P!r} after the normal stage")
@@ -143,6 +144,8 @@ def branches_of(loads):
     parts: list[tuple[float, list[float]]] = []
     last = 0.0
     for Q in loads:
+        if abs(Q - last) <= SAME:
+            Q = last
         direction = float(np.sign(Q - last))
         if parts and direction in (0.0, parts[-1][0]):
             parts[-1][1].append(Q)

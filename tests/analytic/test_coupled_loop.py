@@ -300,6 +300,17 @@ def test_branches():
     assert branches_of([0.5, 1.0, 1.0, 0.5, -1.0, 0.0]) == [(1.0, [0.5, 1.0, 1.0]), (-1.0, [0.5, -1.0]), (1.0, [0.0])]
 
 
+def test_rounding_of_loads_is_no_turn():
+    """0.1 + 0.2 is above 0.3: loads that rounding tells apart are one load, also where they should be none."""
+    noisy, exact = (
+        CoupledLoop(solid_of(0.3), PROFILE, P, MU).run([(P, Q) for Q in (0.0, zero, Q_A, 0.3, 0.1)])
+        for zero, Q_A in ((-1e-17, 0.1 + 0.2), (0.0, 0.3))
+    )
+    for state, other in zip(noisy, exact, strict=True):
+        assert (state.stick, state.delta_x) == (pytest.approx(other.stick, nan_ok=True), pytest.approx(other.delta_x))
+        assert state.dissipated_energy == pytest.approx(other.dissipated_energy)
+
+
 @pytest.mark.parametrize("k", [-0.5, 0.0, 0.3])
 def test_kernels_over_panels(k):
     """∫ R(x - t) t dt and ∫ O(x - t) t dt over 0 < t < 1 against antiderivatives, near, in and far from panels."""
