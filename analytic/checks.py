@@ -23,9 +23,11 @@ def require(name, value, low=0.0, high=inf, *, closed_low=False, closed_high=Fal
 
 
 def require_partial_slip(P, Q, mu):
-    """Raise ValueError unless P > 0 and |Q| < mu P, where Q = 0 needs no friction."""
+    """Raise ValueError unless 0 < P < inf, 0 <= mu < inf, and |Q| < mu P, where Q = 0 needs no friction."""
+    require("mu", mu, closed_low=True)
     if not P > 0 or not (Q == 0 or abs(Q) < mu * P):
         raise ValueError(f"P = {P!r}, Q = {Q!r}: needs P > 0 and |Q| < mu P, mu = {mu!r}")
+    require("P", P)
 
 
 def require_positive_k(k, quantity):

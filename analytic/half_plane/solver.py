@@ -12,7 +12,7 @@ from math import exp, log
 
 import numpy as np
 
-from ..checks import ContactNotConverged, require_partial_slip
+from ..checks import ContactNotConverged, require, require_partial_slip
 from ..material import GradedHalfPlane
 from ..normal import half_width_where
 from .edges import stuck_runs
@@ -70,12 +70,14 @@ class HalfPlaneContact:
     def increments(self, loads: Iterable[tuple[float, ...]]) -> Iterator[ContactState]:
         """States one by one.
 
-        Raises ValueError for P <= 0, |Q| >= mu P or a first Q != 0; ContactNotConverged, with the reason.
+        Raises ValueError for P <= 0, |Q| >= mu P, a first Q != 0, and for mu < 0 or numbers that are not finite;
+        ContactNotConverged, with the reason.
         """
         memory, normal_stage = None, True
         for P, Q, *rest in loads:
             strain = rest[0] if rest else 0.0
             require_partial_slip(P, Q, self.mu)
+            require("strain", strain, -np.inf)
             if memory is None:
                 if Q != 0:
                     raise ValueError(f"Q = {Q!r} at first contact: the first load has Q = 0")

@@ -288,6 +288,8 @@ def test_paths_that_are_no_loops_are_refused():
     for path in ([(0.0, 0.0)], [(P, 0.1)], [(P, 0.0), (P, MU * P)], [(P, 0.0), (P, np.nan)]):
         with pytest.raises(ValueError):
             solver.run(path)
+    with pytest.raises(ValueError, match="mu = -0.3 is outside"):
+        replace(solver, mu=-0.3).run([(P, 0.0)])
 
 
 def test_fields_at_no_points():

@@ -191,6 +191,11 @@ def test_loads_are_checked():
     for loads in ([(0.0, 0.0)], [(P, 0.1)], [(P, 0.0), (P, MU * P)], [(P, 0.0), (P, np.nan)]):
         with pytest.raises(ValueError):
             solver.run(loads)
+    for load in ((np.inf, 0.0), (P, 0.0, np.nan)):
+        with pytest.raises(ValueError, match="outside the admissible range"):
+            solver.run([load])
+    with pytest.raises(ValueError, match="mu = -0.3 is outside"):
+        HalfPlaneContact(solid_of(0.3), PROFILE, -0.3).run([(P, 0.0)])
 
 
 def test_what_does_not_converge_raises(monkeypatch):

@@ -277,5 +277,7 @@ def test_refusals():
     for loads in ([(P, MU * P)], [(P, 0.0), (P / 2, -0.6 * MU * P)], [(0.0, 0.0)], [(-1.0, 0.0)], [(np.nan, 0.0)]):
         with pytest.raises(ValueError, match=r"needs P > 0 and \|Q\| < mu P"):
             path.run(loads)
+    with pytest.raises(ValueError, match="P = inf is outside"):
+        path.run([(np.inf, 0.0)])
     with pytest.raises(ValueError, match="mu"):
         SpringPath(cylinder(0.3), 0.0)
