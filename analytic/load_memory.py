@@ -100,9 +100,9 @@ class LoadMemory:
             total = total + self.mu * fall * (np.maximum(P - load, 0) + slope * fall / 2)
         return np.broadcast_to(total, load.shape)[()]
 
-    def breaks(self, P, Q):
-        """Loads between which slip_work is smooth, on the way to P and Q; the first is that of the stick zone."""
-        stick = self.advanced(P, Q).stick
+    def breaks(self, after):
+        """Loads between which slip_work is smooth, on the way to the memory ``after``; first that of the stick zone."""
+        P, Q, stick = after.P[-1], after.Q[-1], after.stick
         on_way = self.P > P
         points = [stick, *self.P[self.P > stick], P]
         if on_way.any():  # punches that leave contact slip to either side of where the way crosses the polyline

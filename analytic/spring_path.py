@@ -132,9 +132,8 @@ class SpringPath:
         """
         memory, energy, states = LoadMemory.unloaded(self.mu), 0.0, []
         for P, Q in loads:
-            reached = memory.advanced(float(P), float(Q))
-            energy += self._dissipated(memory, float(P), float(Q))
-            memory = reached
+            before, memory = memory, memory.advanced(float(P), float(Q))
+            energy += self._dissipated(before, memory)
             states.append(SpringState(self, memory, energy))
         return states
 
@@ -142,9 +141,9 @@ class SpringPath:
         """The contact under the load P [stress x length]."""
         return _under(self.contact, P)
 
-    def _dissipated(self, memory, P, Q):
-        """∫ p |dh_x| dx of the line to P and Q [stress x length²], over the half-widths of the punches that slip."""
-        breaks, solid, profile = memory.breaks(P, Q), self.contact.solid, self.contact.profile
+    def _dissipated(self, before, after):
+        """∫ p |dh_x| dx between two memories [stress x length²], over the half-widths of the punches that slip."""
+        breaks, solid, profile = before.breaks(after), self.contact.solid, self.contact.profile
         flat, total = profile.flat, 0.0
         for low, high in zip(breaks[:-1], breaks[1:], strict=True):
             ends = [self.contact_under(load).a - flat for load in (low, high)]
@@ -152,7 +151,7 @@ class SpringPath:
             t, weight = one_sided_rule(0.0, nodes_for(span))
             width = ends[0] * np.exp(span * t)
             s = flat + width
-            work = memory.slip_work(load_of(solid, profile, s), P, Q)
+            work = before.slip_work(load_of(solid, profile, s), after.P[-1], after.Q[-1])
             total += span * np.sum(weight * width * s ** (-1 - solid.k) * work)
         return solid.tangential_compliance * punch_rigid_factor(solid.k) * total
 
