@@ -1,4 +1,4 @@
-"""Line load between -x and x under the cylinder: of the pressure (44), of the traction (47)."""
+"""Tractions like a power of 1 - x²/a², and their line load between -x and x: of (12), (44) and (47)."""
 
 from math import sqrt
 
@@ -12,8 +12,17 @@ TERMS = 80  # arguments do not exceed 0.6, and 0.6^80 is below the resolution of
 NARROW = 0.9  # from this ratio of the half-widths on, the two loads are not subtracted
 
 
+def beta_density(x, a, half):
+    """(1 - x²/a²)^(half-1)/(a B(1/2, half)) [1/length], of integral 1; zero for |x| > a; any shape."""
+    x = np.abs(np.asarray(x, dtype=float))
+    depth = np.maximum(a - x, 0) / a * ((a + x) / a)
+    with np.errstate(divide="ignore"):
+        density = depth ** (half - 1) / (a * euler_beta(0.5, half))
+    return np.where(x > a, 0.0, density)[()]
+
+
 def beta_fraction(x, a, half):
-    """I_{x²/a²}(1/2, half), odd in x, ±1 for |x| >= a; any shape."""
+    """I_{x²/a²}(1/2, half), the integral of beta_density from -x to x, odd in x, ±1 for |x| >= a; any shape."""
     x = np.asarray(x, dtype=float)
     ratio = np.minimum(np.abs(x) / a, 1)
     small = 2 * ratio / euler_beta(0.5, half)  # its square would underflow before x does

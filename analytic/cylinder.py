@@ -7,7 +7,7 @@ from math import gamma, pi, sqrt
 import numpy as np
 
 from .checks import require, require_positive_k
-from .cumulative import beta_fraction, load_fraction_difference
+from .cumulative import beta_density, beta_fraction, load_fraction_difference
 from .fretting import TangentiallyLoaded
 from .material import GradedHalfPlane
 from .profile import PowerProfile
@@ -56,8 +56,7 @@ class CylinderContact(TangentiallyLoaded):
     @property
     def peak_pressure(self):
         """Pressure at x = 0 [stress], (44)."""
-        k = self.solid.k
-        return gamma((4 + k) / 2) / (sqrt(pi) * gamma((3 + k) / 2)) * self.P / self.a
+        return float(self.pressure(0.0))
 
     @property
     def indentation(self):
@@ -83,10 +82,7 @@ class CylinderContact(TangentiallyLoaded):
 
     def pressure(self, x):
         """Contact pressure p(x) [stress], zero for |x| >= a, (44)."""
-        x = np.abs(np.asarray(x, dtype=float))
-        depth = np.maximum(self.a - x, 0) / self.a * ((self.a + x) / self.a)
-        p = self.peak_pressure * depth ** ((1 + self.solid.k) / 2)
-        return np.where(x >= self.a, 0.0, p)[()]
+        return self.P * beta_density(x, self.a, (3 + self.solid.k) / 2)
 
     def pressure_within(self, x):
         """∫_{-x}^{x} p dx [stress x length], the load between -x and x; odd in x, ±P beyond ±a."""

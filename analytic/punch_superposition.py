@@ -7,9 +7,10 @@ nothing else differs but the compliance.
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import gamma, inf, pi, sqrt
+from math import inf
 
 import numpy as np
+from scipy.special import beta as euler_beta
 from scipy.special import betainc
 
 from . import punch_nodes
@@ -58,8 +59,7 @@ class PunchSuperposition:
 
     def traction(self, x):
         """p (7) or q (18) [stress]; zero for |x| >= a, infinite at x = 0 if start = 0 and power + k <= 0."""
-        factor = gamma(1 + self.k / 2) / (sqrt(pi) * gamma((1 + self.k) / 2))
-        return factor * by_blocks(self._traction, x)
+        return by_blocks(self._traction, x) / euler_beta(0.5, (1 + self.k) / 2)
 
     def traction_within(self, x):
         """∫_{-x}^{x} of the traction [stress x length]; odd in x."""

@@ -2,12 +2,11 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import gamma, pi, sqrt
 
 import numpy as np
 
 from .checks import require, require_positive_k
-from .cumulative import beta_fraction
+from .cumulative import beta_density, beta_fraction
 from .material import GradedHalfPlane
 from .profile import Profile, abel_factor, density_power
 from .punch_superposition import PunchSuperposition
@@ -31,13 +30,9 @@ class UniformShift:
 
     def traction(self, x):
         """q(x) [stress], (12); infinite at |x| = a for Q ≠ 0, zero beyond."""
-        k = self.solid.k
-        x = np.abs(np.asarray(x, dtype=float))
-        depth = np.maximum(self.a - x, 0) / self.a * ((self.a + x) / self.a)
-        centre = gamma(1 + k / 2) * self.Q / (sqrt(pi) * gamma((1 + k) / 2) * self.a)
-        with np.errstate(divide="ignore"):
-            q = centre * depth ** ((k - 1) / 2) if self.Q else 0 * x
-        return np.where(x > self.a, 0.0, q)[()]
+        if not self.Q:
+            return 0 * np.asarray(x, dtype=float)[()]
+        return self.Q * beta_density(x, self.a, (1 + self.solid.k) / 2)
 
     def traction_within(self, x):
         """∫_{-x}^{x} q dx [stress x length]; odd in x."""
