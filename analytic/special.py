@@ -83,13 +83,12 @@ def parabolic_gap(x, s, k, distance=None):
 
 def parabolic_gap_slope(x, s, k, distance=None):
     """I_y((1-k)/2, 1+k/2), y = 1 - s²/x², of [X3], 0 for x <= s: the slope of that gap over x/R."""
-    x, s = np.asarray(x, dtype=float), np.asarray(s, dtype=float)
-    distance = x - s if distance is None else distance
     p, q = (1 - k) / 2, 1 + k / 2
-    x_safe = np.where(distance > 0, x, 1)
-    y = np.where(distance > 0, distance, 0) / x_safe * ((x + s) / x_safe)
-    z = np.where(distance > 0, (s / x_safe) ** 2, 1)
-    return np.where(y <= 0.5, betainc(p, q, np.minimum(y, 1)), 1 - betainc(q, p, z))[()]
+
+    def far(ratio):
+        return 1 - betainc(q, p, ratio**2)
+
+    return _by_zone(x, s, distance, partial(betainc, p, q), far, at_edge=0.0, far_away=1.0)
 
 
 def parabolic_relative_displacement(x, s, k):
