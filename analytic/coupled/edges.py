@@ -4,7 +4,7 @@ import numpy as np
 
 from ..checks import ContactNotConverged
 from .linear import solve
-from .stick import FEATURE, layout
+from .stick import FEATURE
 
 LONGEST_STEP = 0.3  # change of a variable in one step
 ITERATIONS = 30
@@ -64,8 +64,7 @@ class EdgeSolver:
         """State and its variables, from the variables y."""
 
         def solution(y):
-            edges = self._edges(y, load)
-            return solve(self.base, self.friction, edges, self._layout(edges), Q)
+            return solve(self.base, self.friction, self._edges(y, load), Q)
 
         now, before, longest, cuts, margin, stalls = solution(y), np.inf, LONGEST_STEP, 0, LEAP_MARGIN, 0
         bracket, closed = Bracket(), 0
@@ -136,10 +135,6 @@ class EdgeSolver:
             width = outwards * (edges[e + outwards] - edges[e])
             leaps[e] = np.log1p(-outwards * way * min(distance / width + margin, 1 - np.exp(-LONGEST_STEP)))
         return leaps
-
-    def _layout(self, edges):
-        _, c_l, c_r, _ = edges
-        return layout(c_l, c_r, [*edges, *self.base.contact, *self.base.breaks])
 
     def _edges(self, y, load):
         return edges_of(y, load, self.base.contact)

@@ -29,7 +29,7 @@ class Solution:
     rates: np.ndarray
 
 
-def solve(base, friction, edges, layout, Q) -> Solution:
+def solve(base, friction, edges, Q) -> Solution:
     """Tractions with u_y + f = delta_y in contact, u_x as at the turn in stick, q = friction p in slip, for given P, Q.
 
     The unknown is r = friction p - q, which vanishes in slip. In contact
@@ -41,8 +41,9 @@ def solve(base, friction, edges, layout, Q) -> Solution:
     k, d, terms = problem.k, problem.d, problem.terms
     x_l, c_l, c_r, x_r = edges
     contact = ContactInterval(problem, f, x_l, x_r)
-    stick = StickBasis(c_l, c_r, layout, edge_exponents(problem, f)[1:3], problem.order, k)
-    rule = ContactRule(contact, (c_l, c_r), k)
+    singular_points = [*edges, *base.contact, *base.breaks]
+    stick = StickBasis(c_l, c_r, singular_points, edge_exponents(problem, f)[1:3], problem.order, k)
+    rule = ContactRule(contact, (c_l, c_r))
     alpha, beta = hilbert_factors(problem, f)
     ratio = f * problem.gk / problem.bk
     chi = d * (1 + f * ratio)
@@ -58,7 +59,7 @@ def solve(base, friction, edges, layout, Q) -> Solution:
     smooth, rooted = p, p.copy()  # less alpha r, and beta v H[r/v] or beta root H[r/root]: both are smooth in stick
     u_x, at_edges, (of_p, of_r, over_w) = np.zeros((n, size)), np.zeros((2, size)), np.zeros((3, size))
     limits = _limits(base, f, stick)
-    kernels = [stick.matrices(k), *([act(m, 1.0) for m in panels.matrices(x, k)] for _, panels, act in limits[1:])]
+    kernels = [stick.matrices(), *([act(m, 1.0) for m in panels.matrices(x, k)] for _, panels, act in limits[1:])]
     for (columns, panels, contracted), (even, odd) in zip(limits, kernels, strict=True):
         nodes, weights, weight = panels.nodes, panels.weights, contact.weight(panels.nodes)
         t, left, right = contact.local(nodes)
@@ -71,7 +72,7 @@ def solve(base, friction, edges, layout, Q) -> Solution:
         of_p[columns] = -beta * contracted((weights * t)[None], root)[0]  # ∫ root H[r/root] = -∫ t r/root
         of_r[columns], over_w[columns] = contracted(weights[None], 1.0)[0], contracted(weights[None], weight)[0]
         u_x[:, columns] = (chi * alpha - d * ratio) * odd - (problem.gk + chi * beta * hilbert_ratio(k)) * even
-    u_x += chi * (rule.odd(x, k) @ smooth)
+    u_x += chi * (rule.odd(x) @ smooth)
     u_x[:, -1] -= base.moved(x) + ratio * problem.height(x)
     of_p += alpha * of_r + rule.weights @ rooted
     of_p[-1] -= 1

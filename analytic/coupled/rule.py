@@ -25,8 +25,8 @@ class ContactRule:
     t: nodes over half the contact; w, w_over, v, root: at the nodes, shape (n,); weights: of the sum over nodes.
     """
 
-    def __init__(self, contact, stick, k):
-        half = contact.half
+    def __init__(self, contact, stick):
+        half, k = contact.half, contact.problem.k
         gaps = (stick[0] - contact.x_l) / half, (contact.x_r - stick[1]) / half
         longest = contact.problem.longest / half
         end = END_OF_TERMS / max(contact.problem.terms, 1) ** 2
@@ -55,9 +55,9 @@ class ContactRule:
             function[here] = half * ends[1][i][1] * from_left[here] ** powers[0][i]
         self.w = self.w_over * over
 
-    def odd(self, x, k):
+    def odd(self, x):
         """O(x - nodes), shape (len(x), n), to be summed with w, w_over or v times a function at the nodes."""
-        n, z = self._n, x[:, None]
+        n, k, z = self._n, self._contact.problem.k, x[:, None]
         left, right = (z - self.x[:n]) ** -k, -((self.x[-n:] - z) ** -k)
         return np.hstack([left, self._panels.matrices(x, k)[1], right])
 

@@ -53,12 +53,12 @@ def own_matrices(exponent, size, k):
     return even @ values, odd @ values, panels.weights @ values
 
 
-def layout(c_l, c_r, features):
+def _graded_towards(c_l, c_r, singular_points):
     """Distances from both ends of the points between panels, over the width of the zone; the last are 1/2."""
     width = c_r - c_l
     result = []
     for end in (c_l, c_r):
-        distance = np.abs(np.asarray(features) - end)
+        distance = np.abs(np.asarray(singular_points) - end)
         first = min(END * distance[distance > FEATURE * width].min() / width, 0.5)
         points = [0.0, first]
         while points[-1] < 0.5:
@@ -76,12 +76,13 @@ class StickBasis:
 
     At the ends it is distance^(exponent - 1) times polynomials; the first of these powers has no bound, and its
     amplitude should vanish: it tells where the edge is. Elsewhere the basis is of polynomials.
+    singular_points: of tractions, the ends among them; exponents: at both ends; order: polynomials on a panel.
     points: of collocation, as many as functions, ``size``; inner: where panels of polynomials begin and end.
     """
 
-    def __init__(self, c_l, c_r, layout, exponents, order, k):
-        width = c_r - c_l
-        left, right = layout
+    def __init__(self, c_l, c_r, singular_points, exponents, order, k):
+        self._k, width = k, c_r - c_l
+        left, right = _graded_towards(c_l, c_r, singular_points)
         self.breaks = np.concatenate([c_l + width * left, (c_r - width * right)[-2::-1]])
         self.exponents, self.order = [e - 1 for e in exponents], order
         self.lengths = width * left[1], width * right[1]
@@ -95,8 +96,9 @@ class StickBasis:
         ends = c_l + self.lengths[0] * v, (c_r - self.lengths[1] * v)[::-1]
         self.points = np.concatenate([ends[0], middle.ravel(), ends[1]])
 
-    def matrices(self, k):
+    def matrices(self):
         """∫ R and ∫ O over the basis at ``points``, two matrices (size, size)."""
+        k = self._k
         even, odd = (self.contracted(m, OUTSIDE) for m in self.rule(OUTSIDE).matrices(self.points, k))
         n = self.end_size
         for here, length, exponent, way in zip((slice(n), slice(-n, None)), self.lengths, self.exponents, (1, -1)):

@@ -126,7 +126,7 @@ def test_tractions_up_to_a_point(place):
     """∫ sgn(x - s) w f ds, also where x is in the piece at an edge that has a rule of its own."""
     stage = NormalStage(sloped("linear", 3.0, 1.0), PROFILE, 1.0, MU, True, 10)
     area = ContactInterval(stage.problem, MU, -1.0, 1.0)
-    rule, x = ContactRule(area, (-0.3, 0.3), 0.0), np.array([-1.0 + place, 1.0 - place])
+    rule, x = ContactRule(area, (-0.3, 0.3)), np.array([-1.0 + place, 1.0 - place])
     shares = betainc(area.left + 1, area.right + 1, (x + 1) / 2)
     whole = 2 ** (area.left + area.right + 1) * beta(area.left + 1, area.right + 1)
     assert rule.sign(x) @ rule.w == pytest.approx((2 * shares - 1) * whole, rel=1e-9)

@@ -14,7 +14,6 @@ from analytic.coupled.linear import solve
 from analytic.coupled.loop import branches_of
 from analytic.coupled.panels import Panels, graded
 from analytic.coupled.pressed import NormalStage
-from analytic.coupled.stick import layout
 from analytic.coupled.work import stick_compliance
 from analytic.half_plane.solver import HalfPlaneContact
 from analytic.punch_with_friction import Medium
@@ -182,8 +181,7 @@ def test_rates_of_the_amplitudes():
     widths = np.array([edges[1] - edges[0]] * 2 + [edges[3] - edges[2]] * 2)
 
     def solution(moved):
-        panels = layout(*moved[1:3], [*moved, *inner.base.contact, *inner.base.breaks])
-        return solve(inner.base, inner.friction, moved, panels, inner.Q)
+        return solve(inner.base, inner.friction, moved, inner.Q)
 
     outwards = np.array([-1, -1, 1, 1])
     steps = 1e-4 * widths * outwards
