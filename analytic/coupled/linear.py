@@ -50,7 +50,7 @@ def solve(base, friction, edges, Q) -> Solution:
     x, n = stick.points, stick.size
     # columns: r in stick, two singular parts of p, polynomials of the layers; and what is known
     size, singular, layers = n + 3 + terms, slice(n, n + 2), slice(n + 2, -1)
-    D, b = contact.profile()
+    D, b = contact.of_profile()
     D_layers, b_layers = contact.of_heights(terms)
     p = np.zeros((len(rule.x), size))  # without r, at the nodes of the rule
     p[:, singular] = rule.w_over[:, None] * np.stack([np.ones_like(rule.t), rule.t], axis=1)
@@ -100,7 +100,7 @@ def solve(base, friction, edges, Q) -> Solution:
     at_ends = at_edges @ np.append(solved[:-1], 1.0)
     tilt = solved[n + 1]
     ends = (solved[n] + np.array([-tilt, tilt])) / 2
-    state = SlipState(base, f, Q, contact, stick, solved[:n], (alpha, beta), D, len(limits) > 1)
+    state = SlipState(base, Q, contact, stick, solved[:n], (alpha, beta), D, len(limits) > 1)
     return Solution(state, *_of_edges(state, ends, beta * at_ends))
 
 
@@ -122,12 +122,12 @@ def _of_basis(stick, parts):
 
 def _of_edges(state, ends, added):
     """Amplitudes and rates of a ``Solution``. Towards the edges
-    p = w (ends[0]/(1 + t) + ends[1]/(1 - t) + state.profile(t) + added).
+    p = w (ends[0]/(1 + t) + ends[1]/(1 - t) + state.full_slip(t) + added).
     """
     (x_l, x_r), (c_l, c_r), area = state.contact, state.stick, state.area
     at_stick, after_stick = np.sign(state.friction) * state.zone.amplitudes(state.coefficients)
-    bounded = state.profile(np.array([-1.0, 1.0])) + ends[::-1] / 2 + added
-    scale = area.half / state.profile(0.0)
+    bounded = state.full_slip(np.array([-1.0, 1.0])) + ends[::-1] / 2 + added
+    scale = area.half / state.full_slip(0.0)
     widths = np.array([c_l - x_l, c_l - x_l, x_r - c_r, x_r - c_r])
     amplitudes = scale * np.array([ends[0], at_stick[0] / 2, at_stick[1] / 2, ends[1]]) / widths
     exponents = [area.left, state.zone.exponents[0] + 1, state.zone.exponents[1] + 1, area.right]

@@ -38,7 +38,7 @@ class WithoutFriction(StateOnContact):
     @cached_property
     def _smooth(self):
         """p/w, a Chebyshev series: what layers add to u_y acts like a height of the profile."""
-        (D, _), problem = self._interval.profile(), self.problem
+        (D, _), problem = self._interval.of_profile(), self.problem
         if problem.terms:
             t, panels, interval = chebpts1(problem.terms), self._panels, self._interval
             x = panels.nodes

@@ -39,19 +39,6 @@ def shrinking(points, k, longest=np.inf, at_ends=True):
     return Panels.between(divided(np.unique(np.concatenate(pieces)), longest))
 
 
-def tabulated(state):
-    """p/w without what r adds to it, and r = friction p - q, on panels that shrink towards the breaks of a state."""
-    c_l, c_r = state.stick
-    points = [state.contact[0], *state.breaks, state.contact[1]]
-    panels = shrinking(points, state.problem.k, state.problem.longest, at_ends=False)
-    x, r = panels.nodes, np.zeros(len(panels.nodes))
-    inside = (panels.middle > c_l) & (panels.middle < c_r)
-    stuck, at_nodes = Panels(panels.low[inside], panels.high[inside]), np.repeat(inside, NODES)
-    r[at_nodes] = state.limit(stuck.nodes)
-    H = stuck.cauchy(x) @ (r[at_nodes] / state.area.weight(stuck.nodes))
-    return Interpolated(panels, np.stack([state.factors[1] * H + state.profile(state.area.local(x)[0]), r]))
-
-
 def _merged(fine, values, breaks, x):
     """Panels and values (n, NODES) at their nodes, those close to the breaks but not to any x made one on each side.
 
@@ -148,14 +135,15 @@ class StateOnContact:
 class SlipState(StateOnContact):
     """Equilibrium at the load Q since the turn ``base``: slip with q = friction p, and stick between c_l and c_r.
 
-    coefficients: of r = friction p - q in the basis of the zone of stick; factors, profile: see ``linear.solve``;
-    differs: the coefficients of polynomials are those of the difference to the base.
+    area: the ``ContactInterval``; zone: the ``StickBasis``; coefficients: of r = friction p - q in it; factors: alpha
+    and beta of ``linear.solve``; full_slip: p/w without r, a Chebyshev series; differs: the coefficients of polynomials
+    are those of the difference to the base.
     """
 
-    def __init__(self, base, friction, Q, area, zone, coefficients, factors, profile, differs):
-        self.problem, self.base, self.friction, self.Q = base.problem, base, friction, Q
+    def __init__(self, base, Q, area, zone, coefficients, factors, full_slip, differs):
+        self.problem, self.base, self.friction, self.Q = base.problem, base, area.friction, Q
         self.area, self.zone, self.coefficients = area, zone, coefficients
-        self.factors, self.profile, self._differs = factors, profile, differs
+        self.factors, self.full_slip, self._differs = factors, full_slip, differs
         self.contact = area.x_l, area.x_r
         c_l, c_r = self.stick = zone.breaks[0], zone.breaks[-1]
         tolerance = CLOSE * (c_r - c_l)
@@ -172,8 +160,15 @@ class SlipState(StateOnContact):
 
     @cached_property
     def table(self):
-        """See ``tabulated``."""
-        return tabulated(self)
+        """p/w without what r adds to it, and r, on panels that shrink towards the breaks."""
+        points, (c_l, c_r) = [self.contact[0], *self.breaks, self.contact[1]], self.stick
+        panels = shrinking(points, self.problem.k, self.problem.longest, at_ends=False)
+        x, r = panels.nodes, np.zeros(len(panels.nodes))
+        inside = (panels.middle > c_l) & (panels.middle < c_r)
+        stuck, at_nodes = Panels(panels.low[inside], panels.high[inside]), np.repeat(inside, NODES)
+        r[at_nodes] = self.limit(stuck.nodes)
+        H = stuck.cauchy(x) @ (r[at_nodes] / self.area.weight(stuck.nodes))
+        return Interpolated(panels, np.stack([self.factors[1] * H + self.full_slip(self.area.local(x)[0]), r]))
 
     def tractions(self, x):
         """p and q at x in the contact, shape (2, n)."""

@@ -37,7 +37,7 @@ class ContactInterval:
         _, from_left, from_right = self.local(x)
         return np.maximum(from_left, 0) ** self.left * np.maximum(from_right, 0) ** self.right
 
-    def profile(self):
+    def of_profile(self):
         """A p = constant - height for p = w/(1 - t²) ((1 - t²) D(t) + a + b t): D as a Chebyshev series, and b."""
         D, b = self._pressures(lambda t: self.problem.slope(self.middle + self.half * t)[:, None], self.problem.degree)
         return Chebyshev(D[:, 0]), b[0]
