@@ -9,6 +9,7 @@ from numpy.polynomial import Chebyshev
 from numpy.polynomial.chebyshev import chebpts1, chebvander
 
 from ..checks import ContactNotConverged
+from ..half_plane.layered_kernel import require_reach
 from ..normal import half_width_where, normal_contact
 from ..pressing_with_friction import PressingWithFriction
 from .panels import Panels, divided, graded
@@ -87,6 +88,7 @@ class NormalStage(WithoutFriction):
                 return log(WithoutFriction(problem(exp(log_a))).load)
 
             self.a = half_width_where(excess, log(self.a), STEP, xtol=1e-13)
+            require_reach(solid, 2 * self.a)
         super().__init__(problem(self.a))
 
 

@@ -79,6 +79,13 @@ def surface_compliance(modulus, nu, wavenumber, depth, surface_exponent=0.0):
     return S / (omega * reference)
 
 
+def require_reach(kernel, width):
+    """Raise ValueError for a contact of this width [length] beyond the ``largest`` distance of a LayeredKernel."""
+    largest = getattr(kernel, "largest", np.inf)
+    if width > largest:
+        raise ValueError(f"the contact is {width:.3g} wide, its kernel is known up to distances of {largest:.3g} only")
+
+
 @dataclass(frozen=True)
 class LayeredKernel:
     """SurfaceKernel of E(y), which follows the power law of ``surface`` for y -> 0 and is constant below ``depth``.

@@ -18,6 +18,7 @@ from ..normal import half_width_where
 from .edges import stuck_runs
 from .increment import Increment
 from .interpolation import Interpolant
+from .layered_kernel import require_reach
 from .layout import Layout, first_distance
 from .linear import ContactSets, Data
 from .operator import displacement_of, element_moments
@@ -158,6 +159,7 @@ class HalfPlaneContact:
             margin += 0.1 * layout.width
 
     def _remember(self, memory, layout, operator, solution, load, normal_stage):
+        require_reach(self.kernel, layout.width)
         P, Q, strain = load
         x = operator.nodes
         reached = solution.position + strain * x

@@ -1,5 +1,6 @@
 """Loops on coated bodies without load steps, beside the mesh-free solver with load steps on the same kernel."""
 
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -150,3 +151,11 @@ def test_a_coating_like_its_substrate():
 def test_a_coating_pressed_with_friction_is_refused():
     with pytest.raises(ContactNotConverged, match="on layers"):
         CoupledLoop(coated(0.3, 0.5), PROFILE, 1.0, MU, friction_first=True).run(LOADS[:2])
+
+
+@pytest.mark.parametrize("solver", [HalfPlaneContact, lambda *args: CoupledLoop(*args[:2], 1.0, MU)])
+def test_contacts_wider_than_their_kernel_are_refused(solver):
+    """Beyond its largest distance a kernel is extrapolated: the pressure was off by 2 % without a word."""
+    kernel = replace(coated(0.3, 0.5), largest=0.5)
+    with pytest.raises(ValueError, match="up to distances of 0.5 only"):
+        solver(kernel, PROFILE, MU).run(LOADS[:1])
