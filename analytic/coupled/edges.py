@@ -69,21 +69,20 @@ class EdgeSolver:
         now, before, longest, cuts, margin, stalls = solution(y), np.inf, LONGEST_STEP, 0, LEAP_MARGIN, 0
         bracket, closed = Bracket(), 0
         for _ in range(iterations):
-            size = np.abs(now.amplitudes).max()
+            edges, size = self._edges(y, load), np.abs(now.amplitudes).max()
             # after one step at least: a guess by another order of the basis would be returned as it is
             if (size < self._settled and before < np.inf) or (size > before / 2 and size < self._borne):
                 return now.state, y
-            closed += bracket.closed(self._edges(y, load), now.amplitudes)
+            closed += bracket.closed(edges, now.amplitudes)
             if closed > LAST:
                 return now.state, y
             stalls += size > SLOW * before
             if stalls > STALLS:
                 break
-            step = self._step(y, now, load)
+            step = self._step(edges, now, load)
             step *= min(1.0, longest / np.abs(step).max())
-            leaps = self._leaps(y, now, step, load, margin)
+            leaps = self._leaps(edges, self._edges(y + step, load), now, margin)
             step[list(leaps)] = list(leaps.values())
-            edges = self._edges(y, load)
             inside = bracket.steps(edges, self._edges(y + step, load), now.amplitudes)
             step[list(inside)] = list(inside.values())
             if leaps or inside:
@@ -108,29 +107,29 @@ class EdgeSolver:
             raise ContactNotConverged(ARRIVAL)
         raise ContactNotConverged(f"tractions without bound remain at the edges, their amplitudes are {size:.1e}")
 
-    def _step(self, y, now, load):
+    def _step(self, edges, now, load):
         """Step of Newton's method: each edge moves outwards by its amplitude over its rate."""
-        x_l, c_l, c_r, x_r = self._edges(y, load)
+        x_l, c_l, c_r, x_r = edges
         widths = np.array([c_l - x_l, c_l - x_l, x_r - c_r, x_r - c_r])
         left, inner_left, inner_right, right = now.amplitudes / now.rates * widths
         motions = -left, left - inner_left, right - inner_right, right
         return np.array(motions) / [load, widths[1], widths[2], load]
 
-    def _leaps(self, y, now, step, load, margin):
-        """Changes of variables that take an edge of stick over a stretch on which its amplitude hardly changes.
+    def _leaps(self, edges, aims, now, margin):
+        """Changes of variables that take an edge of stick over a stretch on which its amplitude hardly changes;
+        aims: edges after Newton's step.
 
         Where the load comes back to that of an earlier turn, a stretch between two places where stick turned may reach
         the limit of friction all at once. The edge then is beyond the next of these places, by the share ``margin``.
         """
-        edges, leaps = self._edges(y, load), {}
-        after = self._edges(y + step, load)
+        leaps = {}
         for e, outwards in STICK:
             way = outwards * np.sign(now.amplitudes[e])
             beyond = way * (self.base.breaks - edges[e])
             if now.rates[e] > FLAT or not (beyond > 0).any():
                 continue
             distance = beyond[beyond > 0].min()
-            if now.rates[e] > 0 and way * (after[e] - edges[e]) < distance:
+            if now.rates[e] > 0 and way * (aims[e] - edges[e]) < distance:
                 continue
             width = outwards * (edges[e + outwards] - edges[e])
             leaps[e] = np.log1p(-outwards * way * min(distance / width + margin, 1 - np.exp(-LONGEST_STEP)))
