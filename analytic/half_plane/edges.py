@@ -16,7 +16,7 @@ def stuck_runs(solution, mu):
     """First and last node (n, 2) of every zone of stick, as indices."""
     if mu == 0:
         return np.empty((0, 2), dtype=int)
-    changes = np.flatnonzero(np.diff(np.concatenate([[False], solution.stuck, [False]]).astype(int)))
+    changes = np.flatnonzero(np.diff(np.concatenate([[False], solution.sets.stuck, [False]]).astype(int)))
     return changes.reshape(-1, 2) - [0, 1]
 
 

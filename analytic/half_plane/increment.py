@@ -66,7 +66,7 @@ class Increment:
     def _changed(self, s, new, rounding):
         """Nodes whose status is to change; also the last that sticks, which stays so, beyond the limit of friction."""
         beyond = np.abs(s.traction) - self.mu * np.maximum(s.pressure, 0.0) > rounding * s.pressure.max()
-        return ~new.same(s.sets) | (s.stuck & beyond & (self.mu > 0))
+        return ~new.same(s.sets) | (s.sets.stuck & beyond & (self.mu > 0))
 
     def _updated(self, s, rounding):
         """Sets after Signorini's and Coulomb's conditions at every node."""
@@ -79,7 +79,7 @@ class Increment:
         limit = self.mu * np.maximum(s.pressure, 0.0) + p_rounding
         begins = np.where(np.abs(s.traction) > limit, np.sign(s.traction), 0.0)
         backwards = was_slipping * (s.position - self.data.rest) > u_rounding
-        beside_stick = np.convolve(s.stuck, np.ones(2 * RETURN + 1), "same") > 0.5
+        beside_stick = np.convolve(s.sets.stuck, np.ones(2 * RETURN + 1), "same") > 0.5
         if (backwards & beside_stick).any():
             backwards &= beside_stick
         slipping = np.where(was_slipping == 0, begins, np.where(backwards, 0.0, was_slipping))

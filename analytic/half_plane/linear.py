@@ -20,6 +20,11 @@ class ContactSets:
     closed: np.ndarray
     slipping: np.ndarray
 
+    @property
+    def stuck(self):
+        """Nodes in contact that do not slip."""
+        return self.closed & (self.slipping == 0)
+
     def same(self, other):
         """Nodes whose status is that of ``other``."""
         return (self.closed == other.closed) & (self.slipping == other.slipping)
@@ -50,11 +55,6 @@ class IncrementSolution:
     delta_x: float
     delta_y: float
     sets: ContactSets
-
-    @property
-    def stuck(self):
-        """Nodes in contact that do not slip."""
-        return self.sets.closed & (self.sets.slipping == 0)
 
 
 MANY = 0.15  # share of equations replaced beyond which another problem is the base
@@ -87,7 +87,7 @@ class LinearProblems:
         return [self._solution(sets, stick, u, d) for u, d in zip(unknowns.T, data, strict=True)]
 
     def _stick(self, sets):
-        return sets.closed & (sets.slipping == 0) & (self.mu > 0)
+        return sets.stuck & (self.mu > 0)
 
     def _solved(self, sets, right):
         """Unknowns (2n + 2, m), from the base or, where too much has changed since, from a new one."""

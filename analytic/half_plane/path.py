@@ -91,8 +91,7 @@ def _conditions(mu, sets, data, s, stress, length):
 
     Open: gap; slip: pressure, slip against the traction; stick: reserves of friction mu p - q and mu p + q.
     """
-    slips = sets.slipping != 0
-    stick = sets.closed & ~slips & (mu > 0)
+    slips, stick = sets.slipping != 0, sets.stuck & (mu > 0)
     first = np.where(sets.closed, np.where(stick, mu * s.pressure - s.traction, s.pressure) / stress, s.gap / length)
     slip = -sets.slipping * (s.position - data.rest)
     second = np.where(stick, (mu * s.pressure + s.traction) / stress, slip / length)

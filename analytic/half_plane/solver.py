@@ -187,7 +187,7 @@ class HalfPlaneContact:
             reference = PiecewiseField.kept_in(stuck, memory.reference, place)
         else:
             reference = memory.reference
-            slip = np.where(solution.stuck, memory.slip(x), reached - reference(x))
+            slip = np.where(solution.sets.stuck, memory.slip(x), reached - reference(x))
             new = StoredField(x, slip, lambda y: position(y) - reference(y))
             slip_field = PiecewiseField.kept_in(stuck, memory.slip, new)
         energy, begun, way = worked(self.mu, memory, operator, solution, load, normal_stage, (p, opening), (q, place))
