@@ -37,7 +37,8 @@ class Branch:
         self._limit = base.problem.mu * (2 if isinstance(base, SlipState) else 1)
         self._solver = EdgeSolver(base, direction * base.problem.mu)
         self._guess = like.guessed if like else guess
-        self.loads, self._known, self._failure = np.empty(0), [], ""
+        # at the loads: the states, and what the guess lacks of the variables of their edges
+        self.loads, self._states, self._lacking, self._failure = np.empty(0), [], [], ""
         for load in self._spread(FIRST_BORNE * span, span, SPARSE):
             self._tried(load)
         if not len(self.loads) or self.loads[-1] < span:
@@ -114,8 +115,7 @@ class Branch:
         if len(self.loads) < 2 or load > self.loads[0]:
             return False
         t, next_t = np.log(self.loads[:2]), np.log(load)
-        states = [known[1] for known in self._known[:2]]
-        x_l, x_r = self.base.contact
+        states, (x_l, x_r) = self._states[:2], self.base.contact
         widths = np.array([
             (min(c - x_l, c - s.contact[0]), min(x_r - d, s.contact[1] - d)) for s in states for c, d in (s.stick,)
         ])
@@ -124,9 +124,10 @@ class Branch:
         return bool((expected < LEAST_WIDTH).any())
 
     def _add(self, load, state, variables):
-        self._known.append((load, state, variables - self._guess(load)))
-        self._known.sort(key=lambda known: known[0])
-        self.loads = np.array([known[0] for known in self._known])
+        i = int(np.searchsorted(self.loads, load))
+        self.loads = np.insert(self.loads, i, load)
+        self._states.insert(i, state)
+        self._lacking.insert(i, variables - self._guess(load))
 
     def _solved(self, load, iterations=ITERATIONS):
         return self._solver.state(self.base.Q + self.direction * load, self.guessed(load), iterations)
@@ -139,21 +140,20 @@ class Branch:
             return variables
         i = int(np.searchsorted(self.loads, load))
         reach = 3 if 0 < i < len(self.loads) else 2
-        near = np.arange(max(i - reach, 0), min(i + reach, len(self.loads)))
+        near = slice(max(i - reach, 0), i + reach)
         t, at = np.log(self.loads[near]), np.log(load)
-        weights = [np.prod((at - np.delete(t, i)) / (t[i] - np.delete(t, i))) for i in range(len(t))]
-        return variables + weights @ np.array([self._known[i][2] for i in near])
+        weights = [np.prod((at - np.delete(t, j)) / (t[j] - np.delete(t, j))) for j in range(len(t))]
+        return variables + weights @ np.array(self._lacking[near])
 
     def between(self, low, high):
         """Known loads from low to high (n,), and delta_x at them (n,)."""
-        known = [(load, state.delta_x) for load, state, _ in self._known if low <= load <= high]
-        loads, delta_x = zip(*known, strict=True)
-        return np.array(loads), np.array(delta_x)
+        known = np.flatnonzero((low <= self.loads) & (self.loads <= high))
+        return self.loads[known], np.array([self._states[i].delta_x for i in known])
 
     def state(self, Q):
         """State at Q."""
         load = abs(Q - self.base.Q)
-        for known, state, _ in self._known:
+        for known, state in zip(self.loads, self._states, strict=True):
             if abs(known - load) < 1e-12 * self.span:
                 return state
         return self._solved(load)[0]
@@ -177,7 +177,7 @@ class Branch:
         if self._like:  # which begins nearer to the turn
             return self._like._last_without
         last = 0.0 if self._has_all else self.first
-        for load, state, _ in self._known:
+        for load, state in zip(self.loads, self._states, strict=True):
             try:
                 self._check(state)
             except ContactNotConverged:
@@ -188,14 +188,14 @@ class Branch:
 
     def _check(self, state):
         i = int(np.searchsorted(self.loads, abs(state.Q - self.base.Q) * (1 - 1e-12)))
-        check(state, self._known[i - 1][1] if i else self.base, self.base, self.direction)
+        check(state, self._states[i - 1] if i else self.base, self.base, self.direction)
 
     def _crossings(self):
         """Loads at which an edge of stick passes a place where it turned before."""
         result = []
         for end, inwards in ((0, 1), (1, -1)):
             for x in self.base.breaks:
-                passed = [inwards * (known[1].stick[end] - x) > 0 for known in self._known]
+                passed = [inwards * (state.stick[end] - x) > 0 for state in self._states]
                 if passed[-1] and not passed[0]:
                     i = passed.index(True)
                     result.append(self._crossing(x, end, self.loads[i - 1], self.loads[i]))
