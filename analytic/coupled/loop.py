@@ -70,7 +70,7 @@ class CoupledLoop:
         if self.friction_first and any(P < before for (before, _), (P, _) in pairwise(loads[:first])):
             raise ContactNotConverged("P falls before Q acts, and friction from first contact remembers it")
         normal_stages = [self._normal(P) for P, _ in loads[:first]]
-        states = [CoupledState(normal, normal) for normal in normal_stages]
+        states: list[CoupledState | ContactNotConverged] = [CoupledState(normal, normal) for normal in normal_stages]
         if first == len(loads):
             return states
         alike = list(dict.fromkeys(state.branch for state in like if state.branch))
