@@ -76,30 +76,28 @@ class PunchFields:
 
     @cached_property
     def _slip_panels(self):
-        """Ends of panels on (c, 1) as distances from c, and -u_x' at Gauss points in them, (panels, NODES)."""
+        """Left ends and widths of panels on (c, 1), Gauss points in them, all as distances from c, and -u_x' there."""
         panels = self.punch.pressure_panels
         outer, w = panels.lo >= 0, panels.hi[-1]
         towards_edge = w - w / 2 * 0.5 ** np.arange(1, LEVELS + 1)
         lo = np.concatenate([panels.lo[outer], towards_edge])
-        hi = np.append(lo[1:], w)
+        width = np.diff(lo, append=w)
         owner = np.minimum(np.flatnonzero(outer)[0] + np.arange(len(lo)), len(panels.lo) - 1)
         t, _ = gauss_rule(NODES)
-        y = lo[:, None] + (hi - lo)[:, None] * t
+        y = lo[:, None] + width[:, None] * t
         slope = -self.punch.tangential_gradient(y.ravel(), np.repeat(owner, NODES)).reshape(y.shape)
-        return lo, hi, slope
+        return lo, width, y, slope
 
     def _over_slip(self, function):
         """∫ -u_x' function(x, 1 - x) dx over each panel of slip."""
-        lo, hi, slope = self._slip_panels
-        t, weight = gauss_rule(NODES)
-        y = lo[:, None] + (hi - lo)[:, None] * t
+        _, width, y, slope = self._slip_panels
         values = slope * function(self.punch.c + y, self.punch.slip_width - y)
-        return (hi - lo) * (values @ weight)
+        return width * (values @ gauss_rule(NODES)[1])
 
     def slip(self, x, m):
         """-m x^m ∫ u_x(t) t^(-m-1) dt over max(x, c) < t < 1: by parts, x^m times an integral over u_x'."""
         x = np.asarray(x, dtype=float)
-        lo, hi, slope = self._slip_panels
+        lo, width, _, slope = self._slip_panels
         c = self.punch.c
         t, weight = gauss_rule(NODES)
         plain = np.cumsum(np.append(0.0, self._over_slip(lambda x, rest: np.ones_like(x))))
@@ -109,8 +107,8 @@ class PunchFields:
         y = np.maximum(inside - c, 0.0)
         j = np.clip(np.searchsorted(lo, y, side="right") - 1, 0, len(lo) - 1)
         series = legfit(2 * t - 1, slope.T, NODES - 1)[:, j, None]
-        share = ((y - lo[j]) / (hi - lo)[j])[:, None]
-        width = (hi - lo)[j]
+        width = width[j]
+        share = ((y - lo[j]) / width)[:, None]
         below, above = share * t, share + (1 - share) * t
         inner = width * share[:, 0] * (legval(2 * below - 1, series, tensor=False) @ weight)
         outer = np.expm1(-m * np.log(c + (lo[j][:, None] + width[:, None] * above)))
