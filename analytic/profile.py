@@ -18,7 +18,7 @@ SMALLEST_WIDTH = 1e-20  # of s - flat over s where s rounds to flat
 class Profile:
     """Even function f(x), convex for an indenter, which vanishes for |x| <= flat and grows beyond.
 
-    shape, slope, curvature: f [length], f' and f'' [1/length] as vectorised functions of the
+    shape, slope, curvature: f [length], f' [1] and f'' [1/length] as vectorised functions of the
     distance u = |x| - flat >= 0 [length], which is |x| itself for a tip without flat.
     order: f ~ u^order at u = 0; order >= 1, and order > 1 if flat > 0, where a kink would need a
     punch of its own.
