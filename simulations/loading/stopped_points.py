@@ -14,7 +14,7 @@ from ..fem.surface_points import SIDES
 from .contact_points import BESIDE, Surface, leading
 
 CUT = 4  # points that reach over the facet which an edge of contact cuts
-OUT = 2  # points beside that facet: outside, anchored with those that it reaches over; at the edge, they may stick
+OUT = 2  # points at the edge in that facet that stick beyond those that slide
 DRAWN = 0.3  # least length of an edge's curve up to now, over that in this step, from which it goes on
 FOLLOWS = 2.0  # times as far as the edge of contact that of stick goes which follows it; further it goes in a reversal
 FASTEST = 10.0  # longest step along the last change of anchors, over that change
