@@ -11,7 +11,7 @@ from .checks import require, require_positive_k
 from .cylinder import CylinderContact
 from .fretting import TangentiallyLoaded
 from .material import GradedHalfPlane
-from .profile import PowerProfile, Profile, abel_factor, density_power, load_of
+from .profile import PowerProfile, Profile, abel_factor, density_power, density_within, load_of
 from .punch_superposition import PunchSuperposition
 from .quadrature import plain_rule
 from .special import punch_rigid_factor
@@ -59,8 +59,12 @@ class ProfileContact(TangentiallyLoaded):
 
     def density(self, s, edge=None):
         """n_y(s) [stress / length^k], (5)."""
-        k = self.solid.k
-        return abel_factor(k, self.solid.normal_compliance) * self.profile.abel_density(s, k)
+        return abel_factor(self.solid.k, self.solid.normal_compliance) * self._abel_density(np.asarray(s, dtype=float))
+
+    @cached_property
+    def _abel_density(self):
+        """The factor of n_y that depends on s, as a function of s."""
+        return density_within(self.profile, self.solid.k, self.a)
 
     @cached_property
     def P(self):

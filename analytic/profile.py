@@ -5,12 +5,15 @@ from dataclasses import dataclass
 from math import pi, sin
 
 import numpy as np
+from numpy.polynomial import Chebyshev
 from scipy.special import beta as euler_beta
 
 from .checks import require
 from .quadrature import two_sided_rule
 
 NODES = 48
+DEGREE = 32  # of a series for the density of a smooth profile
+ALL_DIGITS = 2e-15  # of its coefficients, below which they are round-off
 SMALLEST_WIDTH = 1e-20  # of s - flat over s where s rounds to flat
 
 
@@ -109,3 +112,24 @@ def load_of(solid, profile, s):
 def density_power(profile, k):
     """Power of s - flat with which the density n(s) of (5), (23) begins."""
     return profile.order - 1 + ((k - 1) / 2 if profile.flat > 0 else 0.0)
+
+
+def density_within(profile, k, a):
+    """profile.abel_density(s, k) as a function of flat < s <= a: a power of s - flat times a Chebyshev series, where
+    that has all digits. It is some fifty times as fast: fields take the density at many points.
+    """
+    power, flat = density_power(profile, k), profile.flat
+
+    def direct(s):
+        return profile.abel_density(s, k)
+
+    def beginning(s):
+        return np.maximum(s - flat, SMALLEST_WIDTH * s) ** power
+
+    with np.errstate(all="ignore"):  # a high power of s may be 0 to a float
+        series = Chebyshev.interpolate(lambda s: direct(s) / beginning(s), DEGREE, (flat, a))
+    size = np.abs(series.coef)
+    if not size[-2:].max() <= ALL_DIGITS * size.max():  # nan is not
+        return direct
+    series = series.trim(ALL_DIGITS * size.max())
+    return lambda s: beginning(s) * series(s)

@@ -109,7 +109,7 @@ class Result:
     def checks(self) -> dict[str, checks.Check]:
         """What the run is checked for after the solve, by name: value, limit, and whether it ``holds``.
 
-        Errors are among them beside a closed form, which costs nothing. ``accuracy`` is, where ``solver.accuracy`` is
+        Errors are among them beside a closed form, which costs little. ``accuracy`` is, where ``solver.accuracy`` is
         given, and then every rank has to ask: without a closed form the errors are estimated from a second mesh.
         """
         simulation = self.simulation

@@ -8,6 +8,7 @@ import pytest
 from defining_integrals import Medium, abel_derivative, relative_error
 
 from analytic import CylinderContact, GradedHalfPlane, PowerProfile, Profile, ProfileContact, UndefinedDisplacementError
+from analytic.profile import density_within
 from analytic.special import punch_rigid_factor
 
 E0, NU, Y0, MU = 2.0, 0.3, 0.2, 0.5
@@ -35,6 +36,11 @@ def rounded_punch(flat, radius):
         lambda u: np.full_like(u, 1 / radius),
         flat=flat,
     )
+
+
+MIXED = Profile(  # of powers that no series has
+    lambda x: x**1.5 + x**2, lambda x: 1.5 * x**0.5 + 2 * x, lambda x: 0.75 * x**-0.5 + 2, order=1.5
+)
 
 
 @lru_cache
@@ -269,3 +275,21 @@ def test_inadmissible_profiles(arguments, message):
     """Every refusal names the value and the range."""
     with pytest.raises(ValueError, match=message):
         arguments()
+
+
+@pytest.mark.parametrize("k", [-0.9, 0.3])
+@pytest.mark.parametrize(
+    "smooth, profile, a",
+    [
+        (True, circle(1.0), 0.3),
+        (True, rounded_punch(0.2, 1.0), 0.35),
+        (False, rounded_punch(1e-3, 1.0), 0.35),
+        (False, MIXED, 0.3),
+    ],
+)
+def test_the_density_is_a_series_where_that_has_all_digits(k, smooth, profile, a):
+    """At once beside the flat too; where it is none the quadrature itself is taken, equal to the last bit."""
+    s = profile.flat + (a - profile.flat) * np.append(np.geomspace(1e-9, 0.1, 50), np.linspace(0.1, 1.0, 50))
+    quick, exact = density_within(profile, k, a)(s), profile.abel_density(s, k)
+    np.testing.assert_allclose(quick, exact, rtol=1e-14)
+    assert np.array_equal(quick, exact) is not smooth
