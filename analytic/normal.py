@@ -11,7 +11,7 @@ from .checks import require, require_positive_k
 from .cylinder import CylinderContact
 from .fretting import TangentiallyLoaded
 from .material import GradedHalfPlane
-from .profile import PowerProfile, Profile, abel_factor, density_power, density_within, load_of
+from .profile import PowerProfile, Profile, abel_factor, density_power, load_of
 from .punch_superposition import PunchSuperposition
 from .quadrature import plain_rule
 from .special import punch_rigid_factor
@@ -64,7 +64,7 @@ class ProfileContact(TangentiallyLoaded):
     @cached_property
     def _abel_density(self):
         """The factor of n_y that depends on s, as a function of s."""
-        return density_within(self.profile, self.solid.k, self.a)
+        return self.profile.density_within(self.solid.k, self.a)
 
     @cached_property
     def P(self):

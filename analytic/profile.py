@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from math import pi, sin
 
 import numpy as np
@@ -55,6 +56,23 @@ class Profile:
         left = 1.0 if self.flat == 0 else min(self.order - 2, 0.0)
         return self._weighted(s, k, integrand, left)
 
+    def density_within(self, k, a):
+        """abel_density as a function of flat < s <= a: a power of s - flat times a Chebyshev series, where that has all
+        digits. It is some fifty times as fast: fields take the density at many points.
+        """
+        power = density_power(self, k)
+
+        def beginning(s):
+            return np.maximum(s - self.flat, SMALLEST_WIDTH * s) ** power
+
+        with np.errstate(all="ignore"):  # a high power of s may be 0 to a float
+            series = Chebyshev.interpolate(lambda s: self.abel_density(s, k) / beginning(s), DEGREE, (self.flat, a))
+        size = np.abs(series.coef)
+        if not size[-2:].max() <= ALL_DIGITS * size.max():  # nan is not
+            return partial(self.abel_density, k=k)
+        series = series.trim(ALL_DIGITS * size.max())
+        return lambda s: beginning(s) * series(s)
+
     def _weighted(self, s, k, integrand, left):
         """∫_{flat/s}^1 integrand (1-t²)^((k-1)/2) dt, x = s t; integrand ~ u^left or higher."""
         s = np.asarray(s, dtype=float)[..., None]
@@ -98,6 +116,10 @@ class PowerProfile:
         m = self.m
         return self.A * m * (m + k) * euler_beta((m + 1) / 2, (1 + k) / 2) / 2 * np.asarray(s) ** (m - 1)
 
+    def density_within(self, k, a):
+        """abel_density as a function of 0 < s <= a."""
+        return partial(self.abel_density, k=k)
+
 
 def abel_factor(k, compliance):
     """2 cos(k pi/2) / (pi compliance), the factor of (5) and (23) [stress / length^k]."""
@@ -112,24 +134,3 @@ def load_of(solid, profile, s):
 def density_power(profile, k):
     """Power of s - flat with which the density n(s) of (5), (23) begins."""
     return profile.order - 1 + ((k - 1) / 2 if profile.flat > 0 else 0.0)
-
-
-def density_within(profile, k, a):
-    """profile.abel_density(s, k) as a function of flat < s <= a: a power of s - flat times a Chebyshev series, where
-    that has all digits. It is some fifty times as fast: fields take the density at many points.
-    """
-    power, flat = density_power(profile, k), profile.flat
-
-    def direct(s):
-        return profile.abel_density(s, k)
-
-    def beginning(s):
-        return np.maximum(s - flat, SMALLEST_WIDTH * s) ** power
-
-    with np.errstate(all="ignore"):  # a high power of s may be 0 to a float
-        series = Chebyshev.interpolate(lambda s: direct(s) / beginning(s), DEGREE, (flat, a))
-    size = np.abs(series.coef)
-    if not size[-2:].max() <= ALL_DIGITS * size.max():  # nan is not
-        return direct
-    series = series.trim(ALL_DIGITS * size.max())
-    return lambda s: beginning(s) * series(s)

@@ -59,9 +59,10 @@ def from_displacement(solid, displacement: Profile, a):
     """
     require("a", a, displacement.flat)
     k, compliance = solid.k, solid.tangential_compliance
+    abel_density = displacement.density_within(k, a)
 
     def density(s, edge):
-        return abel_factor(k, compliance) * displacement.abel_density(s, k)
+        return abel_factor(k, compliance) * abel_density(s)
 
     power = density_power(displacement, k)
     return PunchSuperposition(k, compliance, density, a, displacement.flat, power)

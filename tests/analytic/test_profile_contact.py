@@ -8,7 +8,6 @@ import pytest
 from defining_integrals import Medium, abel_derivative, relative_error
 
 from analytic import CylinderContact, GradedHalfPlane, PowerProfile, Profile, ProfileContact, UndefinedDisplacementError
-from analytic.profile import density_within
 from analytic.special import punch_rigid_factor
 
 E0, NU, Y0, MU = 2.0, 0.3, 0.2, 0.5
@@ -290,6 +289,6 @@ def test_inadmissible_profiles(arguments, message):
 def test_the_density_is_a_series_where_that_has_all_digits(k, smooth, profile, a):
     """At once beside the flat too; where it is none the quadrature itself is taken, equal to the last bit."""
     s = profile.flat + (a - profile.flat) * np.append(np.geomspace(1e-9, 0.1, 50), np.linspace(0.1, 1.0, 50))
-    quick, exact = density_within(profile, k, a)(s), profile.abel_density(s, k)
+    quick, exact = profile.density_within(k, a)(s), profile.abel_density(s, k)
     np.testing.assert_allclose(quick, exact, rtol=1e-14)
     assert np.array_equal(quick, exact) is not smooth
