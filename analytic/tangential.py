@@ -31,7 +31,7 @@ class UniformShift:
     def traction(self, x):
         """q(x) [stress], (12); infinite at |x| = a for Q ≠ 0, zero beyond."""
         if not self.Q:
-            return 0 * np.asarray(x, dtype=float)[()]
+            return 0 * np.minimum(np.abs(x), self.a)
         return self.Q * beta_density(x, self.a, (1 + self.solid.k) / 2)
 
     def traction_within(self, x):

@@ -228,7 +228,7 @@ def test_fields_where_x_is_not_a_number():
         for name in names:
             first, second = getattr(owner, name)(np.array([np.nan, 0.1]))
             assert np.isnan(first) and np.isfinite(second), (owner, name)
-    np.testing.assert_array_equal(UniformShift(solid, 0.7, 0.0).traction([0.1, 0.7, 0.8]), 0)
+    np.testing.assert_array_equal(UniformShift(solid, 0.7, 0.0).traction([0.1, 0.7, 0.8, np.inf]), 0)
 
 
 def test_inadmissible_regions():
