@@ -176,8 +176,9 @@ def _constant(node) -> float | None:
     if isinstance(node, ast.BinOp):
         left, right = _constant(node.left), _constant(node.right)
         if left is not None and right is not None:
-            value = OPERATIONS[type(node.op)](left, right)
-            if value == 0 != left and OPERATIONS[type(node.op)] is operator.pow:
+            operation = OPERATIONS[type(node.op)]
+            value = operation(left, right)
+            if operation is operator.pow and value == 0 != left:
                 raise OverflowError  # a power too small for a float is a fraction of as many digits
             return value if isinstance(value, float) else None
     return None
