@@ -65,13 +65,21 @@ class CoupledState:
         self.x, self.weight = units.length * x, units.length * weight
         self.pressure, self.traction = units.stress * state.tractions(x)
 
-    @cached_property
+    @property
     def dissipated_energy(self):
         """Frictional work since first contact [stress x length²]. It needs more states; ContactNotConverged."""
-        if self._friction is None:
-            return self._normal.dissipated_energy
-        before = self._turn.dissipated_energy if self._turn else self._normal.dissipated_energy
-        return before + self._friction.at(self._state) * self._units.load * self._units.displacement
+        return self.dissipated_since(None)
+
+    def dissipated_since(self, turn: "CoupledState | None"):
+        """The same since an earlier state in which Q turned; what was before is not solved for it."""
+        if self is turn:
+            return 0.0
+        before = self._turn.dissipated_since(turn) if self._turn else self._normal.dissipated_energy
+        return before + (self._since_turn if self._friction else 0.0)
+
+    @cached_property
+    def _since_turn(self):
+        return self._friction.at(self._state) * self._units.load * self._units.displacement
 
     @cached_property
     def slip(self):

@@ -100,8 +100,13 @@ def of_history(history: History) -> OfStates:
 
 def last_cycle(states: Sequence, schedule: Sequence[LoadStep]) -> float:
     """Energy dissipated in the last full cycle of ``schedule``, where there is none since first contact."""
-    before = [state for state, step in zip(states, schedule) if step.cycle < schedule[-1].cycle]
-    return states[-1].dissipated_energy - (before[-1].dissipated_energy if before else 0.0)
+    before = before_last_cycle(states, schedule)
+    return states[-1].dissipated_energy - (before.dissipated_energy if before else 0.0)
+
+
+def before_last_cycle(states: Sequence, schedule: Sequence[LoadStep]):
+    """The state with which the last full cycle of ``schedule`` begins; None where there is none."""
+    return next((state for state, step in zip(states[::-1], schedule[::-1]) if step.cycle < schedule[-1].cycle), None)
 
 
 def relative_l2(weight, computed, exact) -> float:

@@ -4,7 +4,7 @@ from analytic import ContactNotConverged
 from analytic.coupled.loop import ORDER, known, missing
 from analytic.coupled.state import CoupledState
 
-from .comparison import NoReference, OfStates, last_cycle
+from .comparison import NoReference, OfStates, before_last_cycle
 from .coupled_loop import loop_of, states_of
 from .mesh_free import FEWER_NODES, MeshFree, Tell
 from .simulation import Simulation
@@ -41,7 +41,7 @@ class StepFree(OfStates):
         energy: float | None = None
         try:
             known(self._own[-1:])  # where no turn before is uncertain
-            energy = last_cycle(self._own, simulation.schedule)
+            energy = self._own[-1].dissipated_since(before_last_cycle(self._own, simulation.schedule))
             energy = energy if like or energy >= LEAST_ENERGY else None
         except ContactNotConverged as failure:
             reasons[None] = str(failure)

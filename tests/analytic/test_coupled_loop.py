@@ -108,6 +108,15 @@ def test_energy_of_loops_with_coupling():
         assert cycle / exact.dissipated_energy == pytest.approx(expected, abs=2e-4)
 
 
+def test_energy_since_a_turn_needs_nothing_from_before():
+    """Equal to the difference of energies since first contact, without the states that the first way would need."""
+    _, turn, state = CoupledLoop(solid_of(0.3), PROFILE, P, MU, order=6).run([(P, Q) for Q in (0.0, 0.2, -0.1)])
+    since = state.dissipated_since(turn)
+    assert "nodes" not in vars(turn.branch)
+    assert since == pytest.approx(state.dissipated_energy - turn.dissipated_energy, rel=1e-12)
+    assert since > 0 == turn.dissipated_since(turn)
+
+
 def test_nearly_uncoupled_loop():
     """Edges of stick come back to where they turned, up to the square of the weak coupling, as does the energy."""
     nu = 0.495
