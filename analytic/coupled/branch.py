@@ -143,7 +143,11 @@ class Branch:
         near = slice(max(i - reach, 0), i + reach)
         t, at = np.log(self.loads[near]), np.log(load)
         weights = [np.prod((at - np.delete(t, j)) / (t[j] - np.delete(t, j))) for j in range(len(t))]
-        return variables + weights @ np.array(self._lacking[near])
+        lacking = np.array(self._lacking[near])
+        found = weights @ lacking
+        if reach == 3:  # edges jump where they pass earlier turns: polynomials across such a place swing
+            found = np.clip(found, lacking.min(axis=0), lacking.max(axis=0))
+        return variables + found
 
     def between(self, low, high):
         """Known loads from low to high (n,), and delta_x at them (n,)."""

@@ -2,9 +2,10 @@
 
 import numpy as np
 
-from .edges import variables_of
+from .edges import edges_of, variables_of
 
 MIRRORED = np.array([-1.0, 1.0, 1.0, -1.0])  # signs of the variables at -x, in reverse order
+PASSED = 1e-9  # of the load, beyond an earlier turn
 CLOSE = 1e-3  # to where stick ended, over its half-width
 
 
@@ -32,7 +33,18 @@ def mirrored(branch, load):
     return branch.guessed(load)[::-1] * MIRRORED
 
 
+def beyond(earlier, last, within, base, direction, load):
+    """As ``within`` up to the turn at which the last branch began; beyond as if the earlier one, which ended there, had
+    gone on."""
+    Q = base.Q + direction * load
+    if direction * (Q - last.base.Q) <= PASSED * load:
+        return within(load)
+    load_of_earlier = abs(Q - earlier.base.Q)
+    edges = edges_of(earlier.guessed(load_of_earlier), load_of_earlier, earlier.base.contact)
+    return variables_of(edges, load, base.contact)
+
+
 def turned(branch, load):
     """After the first turn, from the branch before it: as after half the load from there, (36), [X5]."""
-    half = np.clip(load / 2, branch.loads[0], branch.span)
+    half = max(load / 2, branch.loads[0])
     return mirrored(branch, half) - np.log(load / half) * np.array([0, 1, 1, 0])

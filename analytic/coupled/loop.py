@@ -86,7 +86,7 @@ class CoupledLoop:
     def _tangential(self, normal, loads, alike):
         """States at the loads Q/P after the normal stage; alike: branches of a loop at the same loads, or none."""
         base, turn = normal, None
-        branches: list[Branch] = []
+        branches: list[Branch] = []  # those that are remembered
         states: list[CoupledState | ContactNotConverged] = []
         for number, (direction, Qs) in enumerate(branches_of(loads)):
             span = abs(Qs[-1] - base.Q)
@@ -107,10 +107,17 @@ class CoupledLoop:
                 raise turn
             base = reached
             branches.append(branch)
+            while len(branches) > 2 and direction * (Qs[-1] - branches[-2].base.Q) > SAME:
+                del branches[-2:]  # the one before them goes on, as without the turns that are passed
         return states
 
     def _guess(self, branches, base, direction):
         """Guess of the edges after a turn as a function of the load, from the branches before it."""
+        within = self._guess_within(branches, base, direction)
+        return partial(guess.beyond, branches[-2], branches[-1], within, base, direction) if branches[1:] else within
+
+    def _guess_within(self, branches, base, direction):
+        """The same as far as Q does not go past the turn before."""
         if isinstance(base, PressedWithFriction):
             return partial(guess.pressed, base, direction)
         if not branches:

@@ -41,8 +41,8 @@ class StepFree(OfStates):
         energy: float | None = None
         try:
             known(self._own[-1:])  # where no turn before is uncertain
-            energy = self._own[-1].dissipated_since(before_last_cycle(self._own, simulation.schedule))
-            energy = energy if like or energy >= LEAST_ENERGY else None
+            found = self._own[-1].dissipated_since(before_last_cycle(self._own, simulation.schedule))
+            energy = found if like or found >= LEAST_ENERGY else None
         except ContactNotConverged as failure:
             reasons[None] = str(failure)
         if reasons and not (filled or like and reasons.keys() <= like.open.keys()):

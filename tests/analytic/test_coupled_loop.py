@@ -11,7 +11,6 @@ from analytic import ContactNotConverged, CylinderContact, GradedHalfPlane, Powe
 from analytic.coupled import CoupledLoop
 from analytic.edge_exponents import edge_exponent, hilbert_ratio
 from analytic.coupled.linear import solve
-from analytic.coupled.loop import branches_of
 from analytic.coupled.panels import Panels, graded
 from analytic.coupled.pressed import NormalStage
 from analytic.coupled.work import stick_compliance
@@ -106,15 +105,6 @@ def test_energy_of_loops_with_coupling():
         exact = CylinderContact(solid_of(k), R, P).fretting(mu, share * mu * P)
         cycle = states[-1].dissipated_energy - states[1].dissipated_energy
         assert cycle / exact.dissipated_energy == pytest.approx(expected, abs=2e-4)
-
-
-def test_energy_since_a_turn_needs_nothing_from_before():
-    """Equal to the difference of energies since first contact, without the states that the first way would need."""
-    _, turn, state = CoupledLoop(solid_of(0.3), PROFILE, P, MU, order=6).run([(P, Q) for Q in (0.0, 0.2, -0.1)])
-    since = state.dissipated_since(turn)
-    assert "nodes" not in vars(turn.branch)
-    assert since == pytest.approx(state.dissipated_energy - turn.dissipated_energy, rel=1e-12)
-    assert since > 0 == turn.dissipated_since(turn)
 
 
 def test_nearly_uncoupled_loop():
@@ -303,21 +293,6 @@ def test_fields_at_no_points():
     for state in loop(0.3, 0.3, 0.3, 0.9)[:2]:
         for field in (state.pressure_at, state.traction_at, state.slip_at):
             assert field([]).shape == (0,) and field(np.empty((2, 0))).shape == (2, 0)
-
-
-def test_branches():
-    assert branches_of([0.5, 1.0, 1.0, 0.5, -1.0, 0.0]) == [(1.0, [0.5, 1.0, 1.0]), (-1.0, [0.5, -1.0]), (1.0, [0.0])]
-
-
-def test_rounding_of_loads_is_no_turn():
-    """0.1 + 0.2 is above 0.3: loads that rounding tells apart are one load, also where they should be none."""
-    noisy, exact = (
-        CoupledLoop(solid_of(0.3), PROFILE, P, MU).run([(P, Q) for Q in (0.0, zero, Q_A, 0.3, 0.1)])
-        for zero, Q_A in ((-1e-17, 0.1 + 0.2), (0.0, 0.3))
-    )
-    for state, other in zip(noisy, exact, strict=True):
-        assert (state.stick, state.delta_x) == (pytest.approx(other.stick, nan_ok=True), pytest.approx(other.delta_x))
-        assert state.dissipated_energy == pytest.approx(other.dissipated_energy)
 
 
 @pytest.mark.parametrize("k", [-0.5, 0.0, 0.3])
