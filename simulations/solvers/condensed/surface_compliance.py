@@ -12,7 +12,7 @@ from dolfinx.fem import petsc as fem_petsc
 from mpi4py import MPI
 from petsc4py import PETSc
 from scipy.linalg import solve
-from scipy.sparse import csr_matrix, vstack
+from scipy.sparse import csr_matrix
 
 from forms.contact import X
 
@@ -217,7 +217,7 @@ class _Half:
 def _half(body: ElasticBody, part: Part, inner, interface) -> "_Half | None":
     """What this rank knows of its own part; None where that is empty. Collective."""
     dofs = part.dofs
-    matrix = _rows(body.constrained_stiffness, dofs)[:, dofs]
+    matrix = _submatrix(body.constrained_stiffness, dofs)
     if not len(dofs):
         return None
     row = np.repeat(part.on_axis, np.diff(matrix.indptr))
@@ -225,16 +225,10 @@ def _half(body: ElasticBody, part: Part, inner, interface) -> "_Half | None":
     return _Half(matrix, np.isin(dofs, inner), np.isin(dofs, interface), not body.mixed)
 
 
-def _rows(matrix: PETSc.Mat, rows: np.ndarray) -> csr_matrix:
-    """Rows (h, N), sorted global numbers, of a distributed matrix on this rank. Collective."""
-    first, last = matrix.getOwnershipRange()
-    is_own = (first <= rows) & (rows < last)
-    wanted = [np.asarray(d, PETSc.IntType) for d in (rows[~is_own], np.arange(matrix.size[1]))]
-    (found,) = matrix.createSubMatrices(*([PETSc.IS().createGeneral(d, comm=PETSc.COMM_SELF)] for d in wanted))
-    own, others = (csr_matrix(m.getValuesCSR()[::-1], (m.getLocalSize()[0], matrix.size[1])) for m in (matrix, found))
+def _submatrix(matrix: PETSc.Mat, dofs: np.ndarray) -> csr_matrix:
+    """Rows and columns ``dofs`` (h,), sorted global numbers, of a distributed matrix on this rank. Collective."""
+    wanted = [PETSc.IS().createGeneral(np.asarray(dofs, PETSc.IntType), comm=PETSc.COMM_SELF)]
+    (found,) = matrix.createSubMatrices(wanted, wanted)
+    chosen = csr_matrix(found.getValuesCSR()[::-1], found.size)
     found.destroy()
-    own = own[rows[is_own] - first]
-    if np.all(is_own):
-        return own
-    order = np.concatenate([np.flatnonzero(is_own), np.flatnonzero(~is_own)])
-    return vstack([own, others], format="csr")[np.argsort(order)]
+    return chosen
