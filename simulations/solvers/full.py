@@ -13,6 +13,7 @@ from petsc4py import PETSc
 from forms.contact import X
 
 from ..fem.contact_problem import ContactProblem
+from ..fem.load import NO_LOAD
 from .bulk_solver import bulk_solver
 from .system import System
 
@@ -26,9 +27,11 @@ class FullSystem(System):
         self.problem = problem
         self._rigid = list(problem.directions)
         self._comm = problem.body.mesh.comm
-        self._load = None
+        self._load = NO_LOAD
         self.jacobian = problem.body.constrained_stiffness.copy()
         self._ksp = bulk_solver(self.jacobian, "lu")
+        self._columns = self._rows = self._responses = list[PETSc.Vec]()  # C, R and J^-1 C
+        self._corner = self._schur = np.zeros((0, 0))  # D and D - R J^-1 C
 
     def create_vector(self) -> PETSc.Vec:
         """A vector of the unknowns."""
@@ -53,9 +56,8 @@ class FullSystem(System):
         """Assemble and factorise J; eliminate the displacements from the rigid equations."""
         self.finish(x)
         self.problem.terms.assemble_jacobian(self.jacobian)
-        columns, self._rows, self._corner = self.problem.terms.borders()
-        self._responses = [self._bulk_solve(column) for column in columns]
-        self._columns = columns
+        self._columns, self._rows, self._corner = self.problem.terms.borders()
+        self._responses = [self._bulk_solve(column) for column in self._columns]
         self._schur = self._corner - np.array([[row.dot(z) for z in self._responses] for row in self._rows])
 
     def solve(self, b, x, fixed=False):

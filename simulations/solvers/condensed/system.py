@@ -34,11 +34,13 @@ class CondensedSystem(System):
         translations = np.stack([compliance.strip_values(field) for field in fields], axis=1)
         self.dense = DenseTangent(self._matrix, translations, self._sides) if self._is_root else None
         self._pattern = _TangentPattern(problem, compliance)
+        self._load, self._constant = np.zeros(2), np.zeros(len(compliance.strip))
+        self._shown: tuple = None, None  # the last forces whose displacement was needed, and that displacement
         # Part of the strip displacement that the current forces do not cause, after a change of the load. The first
         # step removes it, so that this step starts from the contact states of the fields.
         self._offset, self._has_offset = np.zeros(len(compliance.strip)), False
-        self._held = None, None  # forces of the held pressure, and their displacement
-        self._left = None  # the strip displacement at the last ``finish``, and the forces that belong to it
+        self._held: tuple = None, 0.0  # forces of the held pressure, and their displacement
+        self._left: tuple = None, np.zeros(0)  # the strip displacement that ``finish`` left, and its forces
 
     def create_vector(self) -> PETSc.Vec:
         """A vector of the unknowns."""
@@ -48,21 +50,15 @@ class CondensedSystem(System):
         """Prescribe the line loads and fill ``x`` with the forces of the present state."""
         self._load = np.asarray(load.components)
         compliance, body = self.compliance, self.problem.body
-        held = None if self.problem.held is None else self.problem.held.forces
         body.set_far_field(load)
-        if held is not self._held[0]:
+        if self.problem.held is not None and self.problem.held.forces is not self._held[0]:
+            held = self.problem.held.forces
             collected = body.surface_nodes.collect(held[body.surface_nodes.owned])
-            self._held = held, compliance.matrix((Y,)).apply(collected) if self._is_root else None
+            self._held = held, compliance.matrix((Y,)).apply(collected) if self._is_root else 0.0
         if self._is_root:
-            self._constant = compliance.far @ self._load
-            if held is not None:
-                self._constant += self._held[1]
-        self._shown = None, None  # the last forces whose displacement was needed, and that displacement
+            self._constant = compliance.far @ self._load + self._held[1]
         strip = compliance.strip_values()
-        if self._left is not None and np.array_equal(strip, self._left[0]):
-            forces = self._left[1]
-        else:
-            forces = self._contact_forces()
+        forces = self._left[1] if np.array_equal(strip, self._left[0]) else self._contact_forces()
         if self._is_root:
             self._shown = forces, self._displacement(forces)
             self._offset = strip - self._shown[1]
@@ -97,12 +93,12 @@ class CondensedSystem(System):
         tangent = self._pattern.assemble()
         if self._is_root:
             self.dense.factorise(tangent)
-            self._removed = np.concatenate([-(tangent @ self._offset), np.zeros(len(self._rigid))])
 
     def solve(self, b, x, fixed=False):
         """x = J^-1 b; nan where the indenter is free to move (every point slips) and not fixed."""
         if self._is_root:
-            right = b.array_r + self._removed
+            right = b.array_r.copy()
+            right[: -len(self._rigid)] -= self.dense.tangent @ self._offset
             x.array[:] = self.dense.solve_fixed(right) if fixed else self.dense.solve(right, abs(self._load[Y]))
         self._offset[:] = 0.0
         self._has_offset = False
@@ -122,7 +118,7 @@ class CondensedSystem(System):
 
     def last_forces(self) -> np.ndarray:
         """Contact forces that ``finish`` left, direction by direction, sorted by x."""
-        return np.zeros(0) if self._left is None else self._left[1]
+        return self._left[1]
 
     def take_up(self, forces: np.ndarray):
         """Continue from fields of an earlier run, whose last ``finish`` left these forces."""

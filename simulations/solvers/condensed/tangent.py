@@ -25,7 +25,7 @@ PROPORTIONAL = 1e-13  # relative: rows this close to proportional are
 class DenseTangent:
     """Factorises and solves the step for tangents T of one sparsity pattern, on rank 0.
 
-    matrix: C; translations: (r, m), those of the m directions; sides: 2 for half of a problem.
+    matrix: C; translations: (r, m), those of the m directions; sides: 2 for half of a problem. ``tangent``: the last T.
     """
 
     def __init__(self, matrix: ComplianceMatrix, translations: np.ndarray, sides: float):
@@ -35,18 +35,20 @@ class DenseTangent:
         self._inverse = np.empty((0, 0))
         n = self._size // self._rigid
         self._sums = np.hstack([sides * np.kron(np.eye(self._rigid), np.ones(n)), np.zeros((self._rigid, self._rigid))])
-        self._base: csr_matrix | None = None
+        self.tangent = csr_matrix(matrix.shape[::-1])
+        self._base: csr_matrix | None = None  # none where it is singular
         self._first: tuple[np.ndarray, csr_matrix] | None = None  # the first inverse, and its tangent
-        self._singular: bool = False
+        self._singular = False
         self._rows = self._pressing = np.zeros(0, dtype=int)  # rows replaced, and those of their nodes' pressure
-        self._columns = self._lu = self._pivots = np.zeros((0, 0))
+        self._ratio = np.zeros(0)  # of sliding ones among them to the pressure's, else 0
+        self._rest = self._columns = self._lu = self._pivots = np.zeros((0, 0))
         self._known: dict[int, tuple[np.ndarray, np.ndarray]] = {}  # rows of T and of J, by their number
 
     def factorise(self, tangent: csr_matrix):
         """Prepare ``solve`` for T (mn, r)."""
         free, sliding, ratio = self._states(tangent)
         changed = self._choose_base(tangent)
-        self._tangent = tangent
+        self.tangent = tangent
         if changed is not None:
             rest = changed & ~free & ~sliding
             if np.count_nonzero(rest) <= FEW * self._size:
@@ -66,7 +68,7 @@ class DenseTangent:
             if np.count_nonzero(since_first) < np.count_nonzero(changed):
                 (self._inverse, self._base), changed, self._rows = self._first, since_first, self._rows[:0]
         if len(self._rows) and not self._singular:
-            since_last = _changed(tangent, self._tangent)
+            since_last = _changed(tangent, self.tangent)
             if np.count_nonzero(since_last) < FEWER * np.count_nonzero(changed):
                 self._take_up()
                 changed = since_last
@@ -86,11 +88,11 @@ class DenseTangent:
         wanted[number[sliding], self._pressing[sliding]] -= self._ratio[sliding]
         known, _ = lapack.dgetrs(self._lu, self._pivots, wanted)
         self._inverse = blas.dgemm(1.0, self._columns, known, 1.0, inverse, overwrite_c=True)
-        self._base = self._tangent
+        self._base = self.tangent
 
     def _rebase(self):
-        free, _, ratio = self._states(self._tangent)
-        self._invert(self._tangent, free)
+        free, _, ratio = self._states(self.tangent)
+        self._invert(self.tangent, free)
         if self._first is None and self._base is not None:
             self._first = self._inverse, self._base
         none = np.array([], dtype=int)
@@ -113,7 +115,7 @@ class DenseTangent:
     def solve_fixed(self, b: np.ndarray) -> np.ndarray:
         """The same without the first of the translations, and whatever the sum of the forces along it."""
         row = self._size
-        matrix = np.vstack([self._full_rows(self._tangent, np.arange(row)), self._sums])
+        matrix = np.vstack([self._full_rows(self.tangent, np.arange(row)), self._sums])
         matrix[row], matrix[row, row], right = 0.0, 1.0, b.copy()
         right[row] = 0.0
         *_, x, singular = lapack.dgesv(matrix, right)
@@ -150,7 +152,7 @@ class DenseTangent:
     def multiply(self, x: np.ndarray) -> np.ndarray:
         """J x."""
         strip = self._matrix.apply(x[: self._size]) - self._translations @ x[self._size :]
-        return np.concatenate([x[: self._size] + self._tangent @ strip, self._sums @ x])
+        return np.concatenate([x[: self._size] + self.tangent @ strip, self._sums @ x])
 
     def _states(self, tangent):
         """Rows (mn,) of T that are zero; rows that are a multiple of their node's pressure row; and those multiples."""
@@ -187,8 +189,8 @@ class DenseTangent:
         """Make ``tangent`` the base: an open node's row is that of the identity and stays out of the factorisation."""
         active = np.append(~free, np.ones(self._rigid, bool))
         matrix = np.vstack([self._full_rows(tangent, np.flatnonzero(~free)), self._sums])
-        self._inverse, self._base_singular = _inverse(matrix, active)
-        self._base = None if self._base_singular else tangent
+        self._inverse, singular = _inverse(matrix, active)
+        self._base = None if singular else tangent
 
     def _replace(self, free, sliding, ratio, rest):
         """Factorise the system that the changed rows' right-hand sides satisfy."""
@@ -197,8 +199,8 @@ class DenseTangent:
         self._ratio = np.concatenate([np.zeros(len(free)), ratio[sliding], np.zeros(len(rest))])
         self._pressing = self._rows.copy()
         self._pressing[len(free) : len(free) + len(sliding)] += self._size // 2
-        self._rest = self._known_rows(self._tangent, rest) if len(rest) else np.zeros((0, self._size + self._rigid))
-        self._singular = self._base_singular
+        self._rest = self._known_rows(self.tangent, rest) if len(rest) else np.zeros((0, self._size + self._rigid))
+        self._singular = self._base is None
         if len(self._rows):
             self._columns = self._inverse[:, self._rows]
             self._lu, self._pivots, singular = lapack.dgetrf(self._new_rows(self._columns), overwrite_a=True)
