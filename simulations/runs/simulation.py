@@ -177,7 +177,7 @@ class Simulation(Plan):
             try:
                 with self.watch("solve"):
                     outcome = next(outcomes, None)
-            except SolveError as error:
+            except (SolveError, FactorisationError) as error:
                 cause = why_no_answer(self) if self.stepping.problem.friction else limits.too_stiff(self.scene)
                 raise SolveError("; ".join(filter(None, (failure_in_si(self, error), cause)))) from None
             freeing.between_steps(self.body)

@@ -46,9 +46,19 @@ def bulk_solver(matrix: PETSc.Mat, factorisation: str, changes=None, prepare=Non
         ksp.setUp()  # MUMPS reads its options here
 
     with_defaults(BULK_PREFIX, BULK_OPTIONS | {"pc_type": factorisation} | (changes or {}), set_up)
-    if ksp.pc.getFailedReason():  # PETSc itself goes on, with no solution
-        raise FactorisationError(f"the stiffness of the elastic body cannot be factorised: {_why(ksp.pc)}")
+    _check(ksp.pc, PETSc.PC.FailedReason.NOERROR)
     return ksp
+
+
+def factorise(ksp: PETSc.KSP):
+    """Factorise the changed matrix. FactorisationError where that fails; a singular one has no finite solution."""
+    ksp.setUp()
+    _check(ksp.pc, PETSc.PC.FailedReason.NOERROR, PETSc.PC.FailedReason.FACTOR_NUMERIC_ZEROPIVOT)
+
+
+def _check(pc: PETSc.PC, *allowed: int):
+    if pc.getFailedReason() not in allowed:  # PETSc itself goes on, with no solution
+        raise FactorisationError(f"the stiffness of the elastic body cannot be factorised: {_why(pc)}")
 
 
 def _why(pc: PETSc.PC) -> str:

@@ -14,7 +14,7 @@ from forms.contact import X
 
 from ..fem.contact_problem import ContactProblem
 from ..fem.load import NO_LOAD
-from .bulk_solver import bulk_solver
+from .bulk_solver import bulk_solver, factorise
 from .system import System
 
 SINGULAR = 1e12  # condition of the equations of the indenter, which is free to move beyond it
@@ -56,6 +56,7 @@ class FullSystem(System):
         """Assemble and factorise J; eliminate the displacements from the rigid equations."""
         self.finish(x)
         self.problem.terms.assemble_jacobian(self.jacobian)
+        factorise(self._ksp)
         self._columns, self._rows, self._corner = self.problem.terms.borders()
         self._responses = [self._bulk_solve(column) for column in self._columns]
         self._schur = self._corner - np.array([[row.dot(z) for z in self._responses] for row in self._rows])

@@ -24,3 +24,12 @@ def test_a_body_that_does_not_fit_into_memory_is_no_singular_matrix(method):
             simulation.run_to_end()
     finally:
         del options["mat_mumps_icntl_23"]
+
+
+def test_a_later_step_that_does_not_fit_is_no_singular_matrix_either():
+    """1 MB from the second load step on: pivots of its tangent may ask for more than those before."""
+    states = (simulation := coarse_simulation(solver__method='"full"')).run()
+    next(states), next(states)
+    simulation.stepping.system._ksp.pc.getFactorMatrix().setMumpsIcntl(23, 1)
+    with pytest.raises(SolveError, match=r"load step 3 .* factorised: MUMPS error -\d+, too little memory"):
+        next(states)
