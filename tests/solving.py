@@ -5,7 +5,7 @@ from functools import partial
 from mpi4py import MPI
 from running import coarse_overrides
 
-from simulations.loading.fallbacks import FALLBACKS, Options
+from simulations.loading.fallbacks import FALLBACKS, Limits
 from simulations.runs.comparison import compare
 from simulations.runs.energy import EnergyMeter, EnergyStep
 from simulations.runs.reference import closed_form
@@ -47,9 +47,9 @@ def metered(simulation: Simulation) -> list[EnergyStep]:
     return meter.steps
 
 
-def limit_stepping(monkeypatch, **options):
-    """From now on load stepping has these of its ``Options``."""
-    monkeypatch.setattr("simulations.loading.stepping.Options", partial(Options, **options))
+def limit_stepping(monkeypatch, **limits):
+    """From now on load stepping has these of its ``Limits``."""
+    monkeypatch.setattr("simulations.loading.stepping.Limits", partial(Limits, **limits))
 
 
 def without_path(monkeypatch):

@@ -13,7 +13,7 @@ from ..solvers.newton import Newton, NewtonResult
 
 
 @dataclass(frozen=True)
-class Options:
+class Limits:
     """Limits of the load stepping.
 
     halvings: of a load step, one within the other; anchor_passes: solves for the anchors of points that enter contact.

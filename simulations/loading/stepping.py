@@ -16,7 +16,7 @@ from ..solvers.newton import FORCE_TOLERANCE, Newton, NewtonResult
 from ..solvers.system import System
 from . import present_state
 from .anchors import EnteringPoints
-from .fallbacks import FALLBACKS, Options
+from .fallbacks import FALLBACKS, Limits
 from .schedule import LoadStep, pressed_first
 
 Stuck = Callable[[float, np.ndarray], np.ndarray]
@@ -72,7 +72,7 @@ class LoadStepping:
         self.body, self._system = normal.body, system
         self._friction_first, self._tolerance, self._stuck = friction_first, tolerance, stuck
         self._edge, self._zigzag = StuckEdge(solid) if solid else None, zigzag
-        self.options = Options()
+        self.limits = Limits()
         self._newton: Newton = None  # type: ignore[assignment]  # made when the stage begins
         self._normal_newton: Newton = None  # type: ignore[assignment]
         self._results: list[NewtonResult] = []  # of this load step
@@ -200,7 +200,7 @@ class LoadStepping:
             return 0
         present_state.restore(self.system, saved)
         first, last = tried[0], tried[-1]
-        if depth == self.options.halvings:
+        if depth == self.limits.halvings:
             changes = ", ".join(map(str, first.changes[-4:])) or "none"
             raise SolveError(
                 f"no equilibrium: {first.reason}, and at last {last.reason}; force residual {first.residual:.1e} P "
@@ -250,10 +250,10 @@ class LoadStepping:
         """Renew the anchors and solve again until they stay; else, and where there is no answer with the new ones, end
         with the state that asks for least.
         """
-        options = self.options
-        settled = options.anchors_settled_uncoupled if self._is_uncoupled else options.anchors_settled
+        limits = self.limits
+        settled = limits.anchors_settled_uncoupled if self._is_uncoupled else limits.anchors_settled
         best: present_state.Arrays = {}
-        for solves_left in reversed(range(options.anchor_passes + 1)):
+        for solves_left in reversed(range(limits.anchor_passes + 1)):
             found = present_state.save(self.system)
             if not self.entering.renew(self._clearance(), settled):
                 return

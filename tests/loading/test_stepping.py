@@ -12,7 +12,7 @@ from solving import coarse_simulation, solved, watched
 from simulations.fem.load import Load
 from simulations.loading import present_state
 from simulations.loading.anchors import EnteringPoints
-from simulations.loading.fallbacks import Options
+from simulations.loading.fallbacks import Limits
 from simulations.loading.schedule import LoadStep
 from simulations.loading.stepping import LoadStepping, SolveError
 from simulations.runs import checks
@@ -98,7 +98,7 @@ def test_where_anchors_do_not_settle_the_state_that_asks_for_least_stays(is_unco
         return True
 
     stepping = SimpleNamespace(
-        options=Options(anchor_passes=2),
+        limits=Limits(anchor_passes=2),
         system=None,
         entering=SimpleNamespace(renew=renew, iteration=iteration),
         _is_uncoupled=is_uncoupled,

@@ -10,7 +10,7 @@ from solving import coarse_simulation, limit_stepping, solved
 
 from simulations.fem import body, edge_place
 from simulations.loading import anchors, stopped_points
-from simulations.loading.fallbacks import Options
+from simulations.loading.fallbacks import Limits
 from simulations.loading.stepping import LoadStepping, SolveError
 from simulations.runs import checks
 from simulations.runs import expected_edges as edges
@@ -158,7 +158,7 @@ def test_anchors_settle_that_change_by_little_in_each_solve(monkeypatch):
     assert not any(entry.unsettled for entry in solved(**LEADING).history.entries)
     monkeypatch.setattr(stopped_points, "FASTEST", 0.0)
     unsettled = [entry.unsettled for entry in solved(**LEADING).history.entries if entry.unsettled]
-    assert unsettled and min(unsettled) > Options().anchors_settled
+    assert unsettled and min(unsettled) > Limits().anchors_settled
 
 
 def test_mesh_is_fine_where_steep_edges_move(monkeypatch):
