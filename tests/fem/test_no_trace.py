@@ -1,5 +1,6 @@
 """An effect that is off leaves nothing in the compiled forms: their fields and constants, counted and named."""
 
+import numpy as np
 import pytest
 from solving import coarse_simulation
 
@@ -62,3 +63,6 @@ def test_symmetry():
     half = coarse_simulation(INDENTATION)
     whole = coarse_simulation(INDENTATION, effects__symmetry="false")
     assert half.body.unknowns < 0.52 * whole.body.unknowns
+    mirrored, expected = (next(simulation.run()).surface for simulation in (half, whole))
+    assert mirrored.x == pytest.approx(expected.x, abs=1e-12)
+    assert mirrored.u == pytest.approx(expected.u, abs=1e-9 * np.abs(expected.u).max())

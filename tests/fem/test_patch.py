@@ -50,6 +50,17 @@ def pressed(body, friction, load, method) -> ContactProblem:
     return problem
 
 
+def test_a_modulus_infinite_on_the_surface_is_exact_in_the_mean():
+    """Twice the energy of a uniform compression: its stiffness times the integral of y^k, to the last digits."""
+    body, _ = confined_block(k := -0.4)
+    body.state.interpolate(lambda x: np.stack([0 * x[1], x[1]]))
+    force = body.stiffness.createVecLeft()
+    body.stiffness.mult(body.state.x.petsc_vec, force)
+    constrained = (1 - NU) / ((1 + NU) * (1 - 2 * NU))
+    expected = constrained * WIDTH * DEPTH ** (1 + k) / (1 + k)
+    assert body.state.x.petsc_vec.dot(force) == pytest.approx(expected, rel=1e-12)
+
+
 @pytest.mark.parametrize("method", ["full", "condensed"])
 @pytest.mark.parametrize("friction", [False, True])
 @pytest.mark.parametrize("k, mixed", [(0.0, False), (0.3, False), (0.7, False), (0.0, True), (0.3, True)])

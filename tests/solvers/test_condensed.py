@@ -66,6 +66,17 @@ def test_compliance_solves_the_whole_body(k):
     assert np.abs(residual.array).max() < 1e-9 * 2.0
 
 
+@pytest.mark.parametrize("lost, inversions", [(1e-8, 0), (0.1, 1)])
+def test_a_step_whose_inverse_has_lost_digits_is_refined_or_gets_another(monkeypatch, lost, inversions):
+    dense = solved(load__cycles=0, solid__nu=0.3).stepping._newton.system.dense
+    inverted = watched(monkeypatch, DenseTangent, "_invert")
+    b = np.random.default_rng(1).standard_normal(dense._inverse.shape[0])
+    dense._inverse = (1 + lost) * dense._inverse
+    assert len(dense._rows)
+    assert dense.multiply(dense.solve(b, 1.0)) == pytest.approx(b, abs=1e-11 * np.abs(b).max())
+    assert len(inverted) == inversions
+
+
 def test_dense_steps_reuse_what_they_know(monkeypatch):
     """One inverse serves a stage; only rows that neither opened nor slid are multiplied with the compliance
     matrix again, and those of a node that sticks are kept.

@@ -65,6 +65,7 @@ def test_a_load_far_ahead_of_the_last_two_is_not_on_their_line():
     for P in (1.0, 1.1):
         steps.keep(Load(P), np.zeros(1))
     assert steps.ahead(Load(1.35)) == pytest.approx(2.5) and steps.ahead(Load(1.6)) == 0.0
+    assert steps.stays(Load(1.1)) and not steps.stays(Load(1.1, 1e-6))  # a short step is no dwell
 
 
 def test_edges_that_rest_impose_nothing():

@@ -95,11 +95,15 @@ def test_rows_of_the_compliance_matrix_and_its_products(partly_slipping, directi
 def test_the_states_are_all_there(partly_slipping, directions):
     """What the differences are taken at: open and closed points, with friction also points that slide.
 
-    Those and no others have a clearance that are open.
+    Those and no others have a clearance that are open: the trial pressure over gamma, which is one number here.
     """
     terms = perturbed_problem(partly_slipping, directions, theta=0.0).terms
     if terms.clearance:
-        assert np.array_equal(terms.clearance.values() > 0, terms.contact_states() == OPEN)
+        clearance = terms.clearance.values()
+        opened = terms.contact_states() == OPEN
+        assert np.array_equal(clearance > 0, opened)
+        gamma = -terms.trials()[Y][opened] / clearance[opened]
+        assert gamma == pytest.approx(gamma[0], rel=1e-9)
     states = set(terms.contact_states())
     assert {OPEN, CLOSED} <= states
     assert bool({FORWARD, BACKWARD} & states) == (X in directions)
@@ -117,6 +121,18 @@ def test_points_in_contact_have_the_state_that_is_imposed(partly_slipping, impos
         surface = SurfaceSampler(problem).sample(problem)
         assert not np.any(surface.traction[surface.pressure == 0])
     assert np.array_equal(problem.terms.contact_states(), free)
+
+
+def test_without_coupling_the_gap_is_that_of_the_pressure_alone(partly_slipping):
+    """And slip that of the traction."""
+    problem = perturbed_problem(partly_slipping, HELD_PRESSURE, theta=0.0)
+    sampler = SurfaceSampler(problem, uncoupled=True)
+    sheared = sampler.sample(problem)
+    problem.held.remove_tangential()
+    pressed = sampler.sample(problem)
+    assert np.abs(sheared.u[Y] - pressed.u[Y]).max() > 1e-5
+    assert sheared.approach == pytest.approx(pressed.approach, abs=1e-12)
+    assert pressed.relative_displacement == pytest.approx(-pressed.delta[X], abs=1e-12)
 
 
 def test_points_that_are_released_have_no_traction(partly_slipping):
