@@ -63,6 +63,9 @@ def test_symmetry():
     half = coarse_simulation(INDENTATION)
     whole = coarse_simulation(INDENTATION, effects__symmetry="false")
     assert half.body.unknowns < 0.52 * whole.body.unknowns
-    mirrored, expected = (next(simulation.run()).surface for simulation in (half, whole))
+    full = coarse_simulation(INDENTATION, solver__method='"full"')
+    mirrored, expected, by_full = (next(simulation.run()).surface for simulation in (half, whole, full))
     assert mirrored.x == pytest.approx(expected.x, abs=1e-12)
+    assert mirrored.weight == pytest.approx(expected.weight, rel=1e-9)
     assert mirrored.u == pytest.approx(expected.u, abs=1e-9 * np.abs(expected.u).max())
+    assert by_full.pressure == pytest.approx(expected.pressure, abs=1e-8 * expected.pressure.max())
