@@ -174,7 +174,8 @@ def lost_file(folder: Path) -> str:
     names, indices = [SCENE, "history.csv", "surface.h5", "summary.json"], [field_index.XDMF, field_index.VTKHDF]
     if checkpoint.is_complete(folder):
         names.append("fretting.png")
-    if any((folder / name).exists() for name in (field_index.FOLDER, *indices)):
+    kept = [path for path in _state_files(folder) if path.name != field_index.MESH]
+    if kept or any((folder / name).exists() for name in indices):
         names += indices
     if (folder / field_index.XDMF).exists():
         names += field_index.files_of((folder / field_index.XDMF).read_text(encoding="utf-8"))

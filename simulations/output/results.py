@@ -41,6 +41,7 @@ class Results:
         self._fields = FieldWriter(folder, simulation)
         self._checkpoint = Checkpoint(folder, simulation)
         self._written = time.monotonic()
+        self._recorded = len(simulation.history.entries)  # load steps whose fields are there, those of a resumed run
 
     def __enter__(self):
         return self
@@ -51,6 +52,7 @@ class Results:
         with self.simulation.watch("output"):
             if self._fields.wants(last):
                 self._everywhere(lambda: self._fields.write(last))
+            self._recorded = last + 1
             self._everywhere(lambda: self._checkpoint.save(entry))
             if self.comm.rank == 0 and time.monotonic() - self._written > EVERY:
                 with suppress(OSError):  # the next ones, or the last, will do
@@ -99,7 +101,7 @@ class Results:
         times, height = self._fields.times, self.simulation.scaled.indenter.height
         files.write_history(self.folder / "history.csv", history, self.scales, times)
         files.write_surface(self.folder / "surface.h5", history, self.scales, times, height)
-        self._fields.write_series(len(history.entries))
+        self._fields.write_series(self._recorded)  # the last state may have come and not be on the disk
         self._written = time.monotonic()
 
     def write_tables(self):

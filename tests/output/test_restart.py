@@ -12,8 +12,9 @@ import pytest
 from restarting import RUN, assert_same
 from running import coarse_arguments, ranks_of, run_command, start_python
 
-from simulations import fretting, indentation
+from simulations import fretting, indentation, report
 from simulations.output.checkpoint import is_complete
+from simulations.output.fields import FieldWriter
 
 # --- every moment at which something is written ---------------------------------------------------------------
 
@@ -103,6 +104,26 @@ def test_half_a_domain(tmp_path, monkeypatch):
     for folder in moments[-8:]:
         indentation.main(["--resume", str(folder), "--quiet"])
         assert_same(folder, expected)
+
+
+@pytest.mark.parametrize("first, increments", [(0, 1), (1, 3)])
+def test_of_a_state_that_was_not_yet_on_the_disk_no_index_tells(first, increments, tmp_path, monkeypatch):
+    """A signal in the middle of its fields, the first or others: readers would ask for a file that is not there."""
+    write = FieldWriter.write
+
+    def interrupted(writer, number):
+        if number >= first:
+            (writer.folder / "fields").mkdir(exist_ok=True)
+            (writer.folder / "fields" / "mesh.h5").touch()
+            raise KeyboardInterrupt
+        write(writer, number)
+
+    monkeypatch.setattr(FieldWriter, "write", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        fretting.main(coarse_arguments(tmp_path, **RUN, output__points="[[0, 1e-4]]"))
+    assert json.loads((tmp_path / "summary.json").read_text())["increments"] == increments
+    assert (tmp_path / "lines.csv").exists() == (first > 0)
+    report.main([str(tmp_path)])
 
 
 # --- real kills -----------------------------------------------------------------------------------------------
