@@ -32,10 +32,11 @@ def inside(state: BodyState, a: float):
 
 def draw(axis, state: BodyState, a: float, scale: float):
     """Filled contours of one state over x/a and y/a; scale: stress at the end of the colours [Pa]."""
-    shown_x, shown_y = np.abs(state.x) < 1.1 * REACH * a, state.y < 1.2 * DEPTH * a
+    left, right = np.searchsorted(state.x, (-REACH * a, REACH * a))
+    across, down = slice(max(left - 1, 0), right + 1), slice(np.searchsorted(state.y, DEPTH * a) + 1)  # to the edges
     levels = MaxNLocator(22, steps=[1, 2, 2.5, 5, 10]).tick_values(0, scale / 1e6)
-    stress = state.von_mises[np.ix_(shown_y, shown_x)] / 1e6
-    filled = axis.contourf(state.x[shown_x] / a, state.y[shown_y] / a, stress, levels, cmap="viridis", extend="max")
+    x, y, stress = state.x[across] / a, state.y[down] / a, state.von_mises[down, across] / 1e6
+    filled = axis.contourf(x, y, stress, levels, cmap="viridis", extend="max")
     letter, _, branch = state.label.partition(", ")
     axis.set(xlim=(-REACH, REACH), ylim=(DEPTH, 0), aspect="equal")
     axis.set(xlabel=f"position $x/a$ [–]  (1 = {quantity(a, 'm', 3)})", ylabel="depth $y/a$ [–]")

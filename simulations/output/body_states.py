@@ -32,9 +32,12 @@ class BodyState:
 
 
 def read_states(folder: Path) -> list[BodyState]:
-    """The states in ``folder``, with their names; SceneError where it holds no run or none of its von Mises stress."""
+    """The states in ``folder``, with their names, on both halves of the body; SceneError where it holds no run or none
+    of its von Mises stress.
+    """
     files = _files(folder)
     with h5py.File(folder / FOLDER / MESH) as mesh:
+        is_half = mesh["x"][0] == 0
         x, y = ((mesh[name][1:] + mesh[name][:-1]) / 2 for name in ("x", "depth"))
     states = []
     for path in files.values():
@@ -43,8 +46,14 @@ def read_states(folder: Path) -> list[BodyState]:
                 raise SceneError(f"{folder} holds no von Mises stress: output.fields left it out")
             name = file.attrs["state"] or f"load step {file.attrs['load_step']}"
             label = "pressed" if name == NORMAL else f"{name}, {file.attrs['branch']}"
-            states.append(BodyState(label, x, y, file["von_mises"][...].reshape(len(y), len(x))))
+            stress = file["von_mises"][...].reshape(len(y), len(x))
+        states.append(_mirrored(label, x, y, stress) if is_half else BodyState(label, x, y, stress))
     return states
+
+
+def _mirrored(label, x, y, stress):
+    """The whole body from its half x > 0."""
+    return BodyState(label, np.concatenate([-x[::-1], x]), y, np.hstack([stress[:, ::-1], stress]))
 
 
 def body_functions(

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from running import coarse_arguments
 
-from simulations import fretting
-from simulations.output.body_pictures import draw
-from simulations.output.body_states import read_states
+from simulations import fretting, indentation
+from simulations.output.body_pictures import DEPTH, REACH, draw
+from simulations.output.body_states import BodyState, read_states
 from simulations.scene import SceneError
 from simulations.studies import body_stress
 
@@ -53,6 +53,26 @@ def test_a_load_step_of_pressing_has_its_number(folder, tmp_path):
     draw(axis, first, first.x.max() / 20, first.von_mises.max())
     assert axis.get_title() == "load step 0 (pressing)"
     plt.close(figure)
+
+
+def test_the_picture_has_no_gap_at_its_edges():
+    """The cells are wider there than the margin that once was left."""
+    x, y = np.array([-4.0, -1.5, 0.0, 1.5, 4.0]), np.array([0.1, 0.5, 1.5, 3.0])
+    figure, axis = plt.subplots()
+    draw(axis, BodyState("A", x, y, np.ones((4, 5))), a=1.0, scale=2.0)
+    assert axis.dataLim.x0 <= -REACH and axis.dataLim.x1 >= REACH and axis.dataLim.y1 >= DEPTH
+    plt.close(figure)
+
+
+def test_half_a_body_is_drawn_whole(tmp_path):
+    """Without friction the files have one half."""
+    indentation.main([*coarse_arguments(tmp_path)[2:], "--quiet"])
+    (state,) = read_states(tmp_path)
+    with h5py.File(next((tmp_path / "fields").glob("0*.h5"))) as file:
+        half = file["von_mises"][...]
+    assert state.von_mises.size == 2 * half.size and np.all(np.diff(state.x) > 0)
+    assert np.array_equal(state.von_mises, state.von_mises[:, ::-1])
+    assert np.array_equal(state.von_mises[:, state.x > 0].ravel(), half)
 
 
 def test_panel_and_animation(folder, tmp_path):
