@@ -1,6 +1,5 @@
 """Writes the folder of a run: fields, checkpoint and tables while it goes; at its end summary and picture."""
 
-import shlex
 import time
 from collections.abc import Callable
 from contextlib import suppress
@@ -26,13 +25,12 @@ EVERY = 10.0  # seconds between two versions of the tables while the run goes on
 class Results:
     """Writes what a Simulation yields into ``folder``. Every rank calls every method; rank 0 writes.
 
-    again: the command that goes on with the run if it stops. At the end rank 0 has the run's ``summary``, and every
+    again: what goes on with the run if it stops, in words. At the end rank 0 has the run's ``summary``, and every
     rank ``failing``: which checks do not hold, or "".
     """
 
-    def __init__(self, folder: Path, simulation: Simulation, again: str = ""):
-        self.folder, self.simulation = folder, simulation
-        self._again = again or f"--resume {shlex.quote(str(folder))}"
+    def __init__(self, folder: Path, simulation: Simulation, again: str):
+        self.folder, self.simulation, self._again = folder, simulation, again
         self.scales = simulation.scaled.scales
         self.comm = simulation.body.mesh.comm
         self.summary: dict = {}

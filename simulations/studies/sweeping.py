@@ -149,7 +149,7 @@ def run_scene(values: Row) -> Row:
             refuse_changed(folder)
         with claimed(MPI.COMM_SELF, folder, overwrite=is_run_of(folder, scene), of_sweep=True):
             begin(folder, scene)
-            with Results(folder, simulation) as results:
+            with Results(folder, simulation, "the same sweep") as results:
                 for entry in simulation.run():
                     results.record(entry)
                 results.write_tables()

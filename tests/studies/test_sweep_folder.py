@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from coarse_sweep import COARSE_SETS, arguments, rows_of
-from running import coarse_arguments, contents
+from running import coarse_arguments, contents, fill_disk
 
 import simulations.sweep as command
 from simulations import SceneError, SolveError, fretting
@@ -49,6 +49,16 @@ def test_python_names_its_own_argument(swept, tmp_path):
     for folder, why in ((swept, another), (tmp_path / "file", "cannot be written")):
         with pytest.raises(SceneError, match=rf"^output = {str(folder)[:20]}.* {why}"):  # long paths are cut
             sweeping.sweep(vary={"load.mu": [0.5]}, sets=COARSE_SETS, output=folder)
+
+
+def test_a_full_disk_in_the_folder_of_a_run_names_the_sweep(tmp_path, monkeypatch):
+    """Not --resume, with which a single run goes on: the sweep would not know of it."""
+    fill_disk(monkeypatch, 4)  # after both folders and the scene
+    (row,) = sweeping.sweep(vary={"load.cycles": [0]}, sets=COARSE_SETS, output=tmp_path, folders=True)
+    assert row["reason"] == f"{tmp_path}/run-0001 cannot be written: No space left on device; go on with the same sweep"
+    monkeypatch.undo()
+    (row,) = sweeping.sweep(vary={"load.cycles": [0]}, sets=COARSE_SETS, output=tmp_path, folders=True)
+    assert row["status"] == "done"
 
 
 @pytest.mark.parametrize("lost", ["scene.toml", "history.csv", "summary.json", "what is in scene.toml"])
