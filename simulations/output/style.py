@@ -83,14 +83,16 @@ def style():
 
 
 def panels(columns: int, title: str, note: str, rows: int = 1, width: float = 5.2, height: float = 4.4):
-    """A figure with axes (rows, columns), a title, and a note below."""
+    """A figure with axes (rows, columns), a title, and a note below; both are wrapped where they hold no mathematics,
+    which matplotlib would tear apart.
+    """
     size = (width * columns, height * rows + 0.5)
     figure, axes = plt.subplots(rows, columns, figsize=size, layout="constrained", squeeze=False)
     figure.get_layout_engine().set(w_pad=0.08, h_pad=0.06)
     for axis in axes.flat:  # few enough tick labels to stay apart
         axis.xaxis.set_major_locator(MaxNLocator(7, steps=[1, 2, 5, 10]))
-    figure.suptitle(title, fontsize=12)
-    figure.supxlabel(note, fontsize=9, color=GREY)
+    figure.suptitle(title, fontsize=12, wrap="$" not in title)
+    figure.supxlabel(note, fontsize=9, color=GREY, wrap="$" not in note)
     return figure, axes
 
 

@@ -75,6 +75,19 @@ def test_half_a_body_is_drawn_whole(tmp_path):
     assert np.array_equal(state.von_mises[:, state.x > 0].ravel(), half)
 
 
+def test_words_are_as_wide_as_one_panel_at_most(tmp_path, monkeypatch):
+    """Of a run without friction, whose only panel is narrower than what its title says."""
+    indentation.main([*coarse_arguments(tmp_path)[2:], "--quiet", "--set", "indenter.profile=circle"])
+    drawn = []
+    monkeypatch.setattr(body_stress, "save", lambda figure, *_: drawn.append(figure) or [])
+    body_stress.main([str(tmp_path)])
+    drawn[0].draw_without_rendering()
+    inside, edges = drawn[0].get_tightbbox(), drawn[0].bbox_inches
+    assert inside.xmin >= edges.xmin and inside.xmax <= edges.xmax
+    assert drawn[0].axes[0].title.get_window_extent().ymax < drawn[0]._suptitle.get_window_extent().ymin
+    plt.close(drawn[0])
+
+
 def test_panel_and_animation(folder, tmp_path):
     body_stress.main([str(folder), "--output", str(tmp_path), "--animate"])
     assert (tmp_path / "body.pdf").read_bytes().startswith(b"%PDF")
