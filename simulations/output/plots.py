@@ -41,8 +41,9 @@ def plot_run(path: Path, simulation: Simulation, lines: dict[str, Reference], fa
         for axis in axes.flat:  # few enough tick labels to stay apart
             axis.xaxis.set_major_locator(MaxNLocator(7, steps=[1, 2, 5, 10]))
         space = "\n " if failing else ""  # for the red line
-        words = f"{simulation.scene.title}\n{in_words(simulation.scene)}{space}"
-        heading = figure.suptitle(words, wrap=True, parse_math=False, fontsize=11)
+        title = simulation.scene.title.replace("$", r"\$")  # no mathematics, for which wrapping would take it
+        words = f"{title}\n{in_words(simulation.scene)}{space}"
+        heading = figure.suptitle(words, wrap=True, fontsize=11)
         _pressure(axes[0, 0], simulation, lines)
         if history.friction:
             _traction(axes[0, 1], simulation, lines)

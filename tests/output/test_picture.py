@@ -92,6 +92,13 @@ def test_the_whole_picture_is_within_its_edges(changes, tmp_path, drawn):
     assert all(axis.title.get_window_extent().ymax < lowest for axis in figure.axes)
 
 
+def test_a_title_is_no_mathematics(tmp_path, drawn):
+    """Whatever its signs: what is no mathematics between two of them would end the run."""
+    plots.plot_run(tmp_path / "none.png", simulated(COARSE | {"title": r"5 $\frac{1}$ or 6 $"}), {})
+    drawn[0].draw_without_rendering()
+    assert drawn[0]._suptitle._get_wrapped_text().replace(r"\$", "$").startswith(r"5 $\frac{1}$ or 6 $" + "\n")
+
+
 def test_checks_that_fail_are_said_in_the_picture(tmp_path, drawn, monkeypatch):
     """On a line of its own below the title, above all panels."""
     monkeypatch.setattr("simulations.runs.checks.PENETRATION", -1.0)
