@@ -106,9 +106,12 @@ def begin(folder: Path, scene: Scene):
 
 
 def go_on(folder: Path):
-    """Take away the report of a run that is about to go on: it says that the run did not reach its end."""
+    """Take away report and summary of a run that is about to go on: they say that it did not reach its end. A report
+    made meanwhile, or after a SIGKILL, would mix that summary with later tables.
+    """
     try:
-        (folder / REPORT).unlink(missing_ok=True)
+        for name in (REPORT, "summary.json"):
+            (folder / name).unlink(missing_ok=True)
     except OSError as error:
         raise OutputError(f"{folder} cannot be written: {error.strerror or error}; then --resume goes on") from None
 

@@ -145,6 +145,15 @@ def test_the_report_of_a_run_that_goes_on_is_taken_away(stopped):
     assert not (stopped / "report.html").exists()
 
 
+def test_the_summary_of_a_run_that_goes_on_is_taken_away(stopped, monkeypatch):
+    """Tables are written meanwhile, and it does not go with them: there is no report before the run has ended again."""
+    assert json.loads((stopped / "summary.json").read_text())["increments"] == 2
+    monkeypatch.setattr(fretting, "go", lambda *_: None)  # as if it were killed at once
+    fretting.main(["--resume", str(stopped), "--quiet"])
+    with pytest.raises(SceneError, match="the whole of a run that ended: summary.json is missing"):
+        report.main([str(stopped)])
+
+
 def test_a_new_run_in_the_folder_of_an_old_one(stopped, uninterrupted):
     """Refused, but where the old one is to be replaced: then nothing of it is left in the new one's files."""
     again = coarse_arguments(stopped, **RUN, load__cycles=0)
