@@ -49,13 +49,14 @@ class Progress:
         done = len(self.simulation.history.entries)
         line = f"{done:4d}/{self.total}  {describe(entry, self.simulation)}"
         each = (time.perf_counter() - self._start) / (done - self._first)
-        line += f", {duration(each * (self.total - done) + self._afterwards)} left"
+        left = f", {duration(each * (self.total - done) + self._afterwards)} left"
         if not self._live:
-            self.say(line)
+            self.say(line + left)
             return
         stays = bool(entry.step.state) or done == self.total
-        width = shutil.get_terminal_size().columns - 1
-        say(f"\r\x1b[K{line if stays else line[:width]}", end="\n" if stays else "")
+        if not stays:  # one line of a narrow terminal, which 80 columns are: the time left is what is waited for
+            line = line[: shutil.get_terminal_size().columns - 1 - len(left)].rstrip(", ")
+        say(f"\r\x1b[K{line}{left}", end="\n" if stays else "")
 
     def reference(self, done: int, total: int):
         """A load step of the reference is done: said when the reference takes long."""

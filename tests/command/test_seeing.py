@@ -69,6 +69,24 @@ def test_the_time_left_of_a_resumed_run_is_that_of_its_own_load_steps(monkeypatc
     assert said == ["   9/10  step, 31 s left"]
 
 
+@pytest.mark.parametrize("state, end", [("", "3 iterations, 31 s left"), ("A", "3 iterations, 0.02 s, 31 s left\n")])
+def test_the_time_left_is_seen_on_a_terminal_of_80_columns(state, end, monkeypatch):
+    """Of a line that is written over the seconds of the load step give way to it; one that stays is whole."""
+    said, entries, times = [], [None] * 8, iter([0.0, 30.0])
+    words = "reloading Q/(mu P) = -0.750   c/a = 0.9667   3 iterations, 0.02 s"
+    monkeypatch.setenv("COLUMNS", "80")
+    monkeypatch.setattr(progress, "say", lambda text, end="": said.append(text + end))
+    monkeypatch.setattr(progress, "describe", lambda entry, simulation: words)
+    monkeypatch.setattr(progress.time, "perf_counter", lambda: next(times))
+    shown = progress.Progress()
+    shown._live = True
+    shown.begin(SimpleNamespace(schedule=[None] * 10, history=SimpleNamespace(entries=entries)))
+    entries.append(None)
+    shown.step(SimpleNamespace(step=SimpleNamespace(state=state)))
+    (line,) = said
+    assert line.endswith(end) and (state or len(line.removeprefix("\r\x1b[K")) < 80)
+
+
 def test_quiet(tmp_path):
     done = run_command(*coarse_arguments(tmp_path), "--quiet")
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
