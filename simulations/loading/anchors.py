@@ -98,7 +98,8 @@ class EnteringPoints:
             led, guides = np.split(np.arange(len(beyond))[: 2 * BESIDE], [BESIDE])
             if not len(guides) or not np.all(closed[: 2 * BESIDE] > 0):
                 continue
-            if before.states[inside] == OPEN and after.states[inside] == CLOSED:
+            entered = before.states[inside] == OPEN and before.clearance[inside] > 0  # a flat touches at once
+            if entered and after.states[inside] == CLOSED:
                 r = (anchors[inside] - before.s[inside]) / before.clearance[inside]
             elif self._approach.is_uncoupled:  # none has entered, or those that have slide: as the ones further out
                 r = np.mean((anchors[beyond[guides]] - before.s[beyond[guides]]) / closed[guides])

@@ -128,25 +128,39 @@ def test_a_secant_step_is_between_three_tenths_of_the_defect_and_three_times_it(
     assert ratio.value == pytest.approx(value)
 
 
+def anchored_beside_the_edges(before, after, rest=0.0) -> np.ndarray:
+    """Anchors (n,) at the end of a coupled load step, where those of all points were 0 and r is 1, then ``rest``."""
+    put: list[np.ndarray] = []
+    entering = SimpleNamespace(
+        iteration=SimpleNamespace(before=before, after=after, starts={}),
+        _approach=SimpleNamespace(is_uncoupled=False, beside=lambda r, *_: (1.0 + 0.0 * r, rest)),
+        _points=SimpleNamespace(gathered=lambda values: values),
+        _problem=SimpleNamespace(memory=SimpleNamespace(anchors=lambda: np.zeros(len(X)))),
+        _put=put.append,
+    )
+    EnteringPoints.end(entering)
+    return put[0]
+
+
 @pytest.mark.parametrize("rest", [0.0, 1.0])
 def test_with_coupling_the_ratio_fades_out_beyond_the_edge(rest):
     """The eight points beside it are anchored less and less where the ratios have them, and those further out not.
 
     They have come the whole way to where they would touch, less the rest of it.
     """
-    put, before, after = [], touching(0.5), touching(0.7)
+    before, after = touching(0.5), touching(0.7)
     after.clearance[:] *= 0.9
-    entering = SimpleNamespace(
-        iteration=SimpleNamespace(before=before, after=after, starts={}),
-        _approach=SimpleNamespace(is_uncoupled=False, beside=lambda *found: (1.0, rest)),
-        _points=SimpleNamespace(gathered=lambda values: values),
-        _problem=SimpleNamespace(memory=SimpleNamespace(anchors=lambda: np.zeros(len(X)))),
-        _put=put.append,
-    )
-    EnteringPoints.end(entering)
     beyond = (after.states == OPEN) & (X > 0)
-    share = put[0][beyond] / (before.clearance - rest * after.clearance)[beyond]
+    share = anchored_beside_the_edges(before, after, rest)[beyond] / (before.clearance - rest * after.clearance)[beyond]
     assert share[:8] == pytest.approx(1 - np.arange(8) / 8) and not np.any(share[8:])
+
+
+def test_beside_a_flat_that_touches_at_once_open_points_stay():
+    """No edge has passed the last point in contact: it has no r, 0/0, by which those further out would go."""
+    before, after = touching(0.5), touching(0.5)
+    before.states[:] = OPEN
+    after.clearance[:] *= 0.9
+    assert not np.any(anchored_beside_the_edges(before, after))
 
 
 def test_points_known_to_stick_that_slide_on_are_anchored_where_they_touch():
