@@ -115,36 +115,44 @@ def relative_l2(weight, computed, exact) -> float:
     return float(np.sqrt(weight @ (computed - exact) ** 2 / norm)) if norm > 0 else float("nan")
 
 
-def compare_state(entry: Entry, reference: Reference, own: dict[str, float] | None = None) -> dict[str, float]:
+def compare_state(entry: Entry, reference: Reference) -> dict[str, float]:
     """Relative L2 deviations of one state's pressure, traction and slip, the last over the contact.
 
-    What is known of the reference's own error is added; own: this, where it is known already.
+    What is known of the reference's own error is added.
     """
-    surface = entry.surface
-    computed = {"pressure": surface.pressure, "traction": surface.traction, "slip": entry.slip}
-    if own is None:
-        own = apart(entry, reference.coarser, reference) if reference.coarser else {}
-    deviation = _deviations(entry, computed.__getitem__, reference)
-    return {name: value + own.get(name, 0.0) for name, value in deviation.items()}
+    return _compared(entry, reference)[0]
 
 
 def apart(entry: Entry, other: Reference, reference: Reference) -> dict[str, float]:
     """The same of another reference in the place of the run."""
-    return _deviations(entry, lambda name: getattr(other, name)(entry, entry.surface.x), reference)
+    return _deviations(entry, reference, lambda name, x: getattr(other, name)(entry, x))[0]
 
 
-def _deviations(entry, computed: Callable[[str], np.ndarray], reference) -> dict[str, float]:
+def _compared(entry, reference) -> tuple[dict[str, float], dict[str, float]]:
+    """``compare_state``, and what of it is the reference's own, {} of an exact one."""
+    fields: list[Callable] = [lambda name, x: getattr(entry, f"{name}_at")(x)]
+    if coarser := reference.coarser:
+        fields.append(lambda name, x: getattr(coarser, name)(entry, x))
+    deviation, own, *_ = *_deviations(entry, reference, *fields), {}
+    return {name: value + own.get(name, 0.0) for name, value in deviation.items()}, own
+
+
+def _deviations(entry, reference, *others: Callable[[str, np.ndarray], np.ndarray]) -> list[dict[str, float]]:
+    """Of each of the ``others``, functions of a field's name and x, from the reference, which is asked once."""
     x, weight = entry.surface.x, entry.surface.weight
-    compared = np.abs(x) > MIDDLE * weight if reference.without_middle else slice(None)
-    x, weight = x[compared], weight[compared]
-    left, right = reference.contact(entry)
-    weights = {"pressure": weight}
+    compared = np.abs(x) > MIDDLE * weight if reference.without_middle else np.full(len(x), True)
+    places = {"pressure": compared}
     if has_friction(entry, reference):
-        weights["traction"] = weight
+        places["traction"] = compared
     if entry.step.branch != "normal":  # there is no slip before
-        weights["slip"] = weight * ((x >= left) & (x <= right))
-    exact = {name: getattr(reference, name)(entry, x) for name in weights}
-    return {f"{name}_l2": relative_l2(weights[name], computed(name)[compared], exact[name]) for name in weights}
+        left, right = reference.contact(entry)
+        places["slip"] = compared & (x >= left) & (x <= right)
+    found: list[dict[str, float]] = [{} for _ in others]
+    for name, at in places.items():
+        exact = getattr(reference, name)(entry, x[at])
+        for deviations, other in zip(found, others):
+            deviations[f"{name}_l2"] = relative_l2(weight[at], other(name, x[at]), exact)
+    return found
 
 
 class Deviations(NamedTuple):
@@ -162,9 +170,7 @@ class Deviations(NamedTuple):
 
 def compare_all(history: History, reference: Reference) -> Deviations:
     """Those of all states, each compared once. What is known of the reference's own error is added."""
-    entries, coarser = all_states(history), reference.coarser
-    own = [apart(entry, coarser, reference) if coarser else {} for entry in entries]
-    states = [compare_state(entry, reference, mine) for entry, mine in zip(entries, own)]
+    states, own = zip(*(_compared(entry, reference) for entry in all_states(history)))
     of_numbers = _own_of_numbers(history.entries[-1], reference)
     last = states[-1] | _numbers_off(history, reference, of_numbers)
     return Deviations(last, _largest(states), _largest(own) | of_numbers)
@@ -218,6 +224,6 @@ def has_friction(entry: Entry, reference: Reference) -> bool:
     return bool(np.abs(reference.traction(entry, x)).max() > ROUND_OFF * reference.pressure(entry, x).max())
 
 
-def _largest(states: list[dict[str, float]]) -> dict[str, float]:
+def _largest(states: Sequence[dict[str, float]]) -> dict[str, float]:
     """Of every quantity that the last state has; nan where no state has a number."""
     return {name: float(np.fmax.reduce([state.get(name, np.nan) for state in states])) for name in states[-1]}
