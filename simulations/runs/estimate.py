@@ -5,8 +5,11 @@ where load steps count, from twice as many of them.
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
+from math import ceil
 
 import numpy as np
+
+from analytic.straight_way import FEWEST
 
 from ..loading.stepping import SolveError
 from ..scene import Scene, SceneError, accuracy, make_scene
@@ -21,7 +24,7 @@ from .simulation import Simulation
 
 COARSER_MESH = 2.0  # times the fineness
 TOO_COARSE = "a smaller solver.accuracy may help"
-TWICE = 2  # as many load steps
+TWICE = 2  # as many load steps; and FEWEST at least, as with fewer the energy is known in another way
 FIRST_ORDER = 2.0  # an error like the load step is twice what half of that step changes
 WELL_KNOWN = 0.3  # of the accuracy asked for: a reference whose own error is larger measures none
 
@@ -158,24 +161,25 @@ def estimated(simulation: Simulation, other: Simulation, ratio: float) -> Errors
 def dependent_on_load_steps(simulation: Simulation) -> set[str]:
     """Which quantities of a run depend on its load steps, whatever the mesh.
 
-    All where P changes under friction, and where the error falls more slowly than the load step; else at constant P the
-    energy alone, and with neither coupling nor elastic slip not even that.
+    All where P changes under friction or the error falls more slowly than the load step, and with coupling, where
+    points may come into contact in stick; else, at constant P, the energy alone with elastic slip, and none without.
     """
     pairs, scene = pairwise(simulation.schedule), simulation.scene
     loaded = any(step.P != before.P for before, step in pairs if step.branch != "normal")
-    if loaded or needs_many_steps(simulation) or "friction in normal stage" in simulation.effects:
+    if loaded or needs_many_steps(simulation) or "coupling" in simulation.effects:
         return set(QUANTITIES)
-    return {"dissipated_energy"} if "coupling" in simulation.effects or scene.effects.elastic_slip else set()
+    return {"dissipated_energy"} if scene.effects.elastic_slip else set()
 
 
 def of_load_steps(simulation: Simulation) -> Errors:
-    """Errors of a finished ``simulation`` from its load steps, estimated with more of them; collective."""
+    """Errors of a finished ``simulation`` from its load steps, estimated with more of them on its mesh; collective."""
     scene, history = simulation.scene, simulation.history
-    times = steps_for_one(simulation) if needs_many_steps(simulation) else TWICE
+    enough = max(TWICE, ceil(FEWEST / scene.solver.increments))
+    times = steps_for_one(simulation) if needs_many_steps(simulation) else enough
     more = {"solver.increments": times * scene.solver.increments}
     if "friction in normal stage" in simulation.effects:  # else these do not matter
         more["solver.normal_increments"] = TWICE * scene.solver.normal_increments
-    other = Simulation(simulation.body.mesh.comm, make_scene(more, base=scene)).run_to_end()
+    other = Simulation(simulation.body.mesh.comm, make_scene(more, base=scene), simulation.cells).run_to_end()
     finer = OfStates(list(_at_same_loads(history, other.history)), other.history.dissipated_energy)
     return _scaled(FIRST_ORDER, history, finer)
 

@@ -12,7 +12,7 @@ from solving import deviations, simulated, watched
 
 from simulations import fretting, run, sweep
 from simulations.output import results
-from simulations.runs import estimate
+from simulations.runs import comparison, estimate
 from simulations.runs.checks import ChecksFailed, ChecksWarning
 from simulations.runs.reference import of_same_physics
 from simulations.runs.report_data import compared
@@ -80,6 +80,17 @@ def test_estimate_knows_what_few_load_steps_do_to_the_energy_of_a_loop(effect):
     assert 1e-3 < error < 1.5 * found["errors"]["dissipated_energy"] < 6 * error
 
 
+def test_estimate_knows_what_few_load_steps_do_to_points_that_come_into_contact_in_stick():
+    """Just after a turn of a coupled loop; two load steps a quarter leave 1 % of q out, which no mesh tells."""
+    loop = {"solid.k": 0.0, "solid.nu": 0.0, "load.mu": 0.6, "load.amplitude": 0.6, "reference.kind": "none"}
+    few, many = (simulated(loop | {"solver.accuracy": 3e-2, "solver.increments": steps}) for steps in (2, 6))
+    same = many.history.entries[3::3]  # both begin with the normal stage
+    states = comparison.OfStates([many.history.entries[0], *same], None)
+    error = comparison.compare_all(few.history, states).worst["traction_l2"]
+    _, found = estimate.judged(few, None)
+    assert 0.01 < error < found["largest_error_worst_state"] < 4 * error
+
+
 @pytest.mark.parametrize("ratio, factor", [(4.0, 0.25), (1.0, 1.0), (0.25, 1.0)])
 def test_a_finer_second_mesh_tells_the_error_itself(ratio, factor, monkeypatch):
     """What a coarser one is off by is its own error, so many times that of the run; a finer one has hardly any."""
@@ -108,11 +119,13 @@ def test_normal_increments_are_not_doubled_without_friction_in_the_normal_stage(
 def test_with_friction_in_the_normal_stage_normal_increments_are_doubled_too(monkeypatch):
     keys = {"solid.nu": 0.3, "load.mu": 0.3, "load.points": [[5e5, 0.0], [1e6, 1e5]], "reference.kind": "none"}
     keys |= {"solid.E0": 210e9, "solid.k": 0.3, "solid.y0": 0.01, "indenter.R": 0.1}
-    steps = {"solver.increments": 1, "solver.normal_increments": 3, "effects.friction_in_normal_stage": True}
+    steps = {"solver.increments": 2, "solver.normal_increments": 3, "effects.friction_in_normal_stage": True}
     few = simulated(COARSE | keys | steps, base=None)
     made = watched(monkeypatch, estimate, "Simulation")
     assert estimate.of_load_steps(few).is_estimate
-    assert made[0][1].solver.normal_increments == 6 and made[0][1].solver.increments == 2
+    _, scene, cells = made[0]
+    assert scene.solver.normal_increments == 6 and scene.solver.increments == 4
+    assert cells == few.cells  # on another mesh its error would count too
 
 
 def test_the_largest_error_may_be_negative():
