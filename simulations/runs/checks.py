@@ -174,7 +174,7 @@ def wrong_slip(before: SurfaceState, after: SurfaceState, reach: float = 0.0) ->
     touches = (before.pressure > 0) & (after.pressure > 0)  # of points that enter contact only a part is slip
     work = np.where((after.slides != 0) & touches, -after.weight * after.traction * moved, 0.0)
     most = after.line_load(after.limit) * max(largest_motion(before, after), AT_REST * reach)
-    return float(-work[work < 0].sum() / most) if most > 0 else 0.0
+    return float(-work[work < 0].sum() / most) if most else 0.0
 
 
 def zigzags(values, scale: float = 0.0) -> float:
