@@ -44,11 +44,14 @@ def test_open_points_move_by_the_ratio_until_they_touch():
     assert anchors[X < -0.5] == pytest.approx(0.1 + 0.2 * before.clearance[X < -0.5])
 
 
-def test_the_ratio_is_measured_on_points_that_are_open_still():
-    before, after = touching(0.5), touching(0.7)
+@pytest.mark.parametrize("is_uncoupled, near, far", [(False, 0.02, 0.11), (True, 0.19, 0.41)])
+def test_the_ratio_is_measured_on_points_that_are_open_still(is_uncoupled, near, far):
+    """From so near to so far beyond an edge that comes 0.2 further, without coupling beyond eight points beside it."""
+    before, after = touching(0.51), touching(0.71)
     moved = np.where(X > 0, -0.3, 0.2) * (before.clearance - after.clearance)
-    moved[np.abs(X) < 0.7] = 7.0  # nothing is learnt from these
-    found = approach()
+    beyond = np.abs(X) - 0.725
+    moved[(beyond < near) | (beyond > far)] = 7.0  # nothing is learnt from these
+    found = Approach(X, None, is_uncoupled)
     found.measure(before, Surface(after.states, before.s + moved, after.clearance))
     assert values(found) == pytest.approx((0.2, -0.3))
 
@@ -175,13 +178,25 @@ def test_points_known_to_stick_that_slide_on_are_anchored_where_they_touch():
 
 @pytest.mark.parametrize("r, holds", [(0.2, False), (-0.2, True)])
 def test_anchors_of_points_that_slide_count_where_they_would_hold_them(r, holds):
-    """All that enter slide. With anchors that let them slide on nothing changes; others are to be tried."""
+    """All that enter slide. With anchors that let them slide on nothing changes; others are to be tried.
+
+    Those of open points do not count. The state that asks for the least change is kept.
+    """
     before, after, ratio = touching(0.5), touching(0.7, stick=0.5), np.where(X > 0, -r, r)
     ahead = after.states == OPEN
     after.s[ahead] = (ratio * (before.clearance - after.clearance))[ahead]
     nowhere = np.full(len(X), np.nan)
     iteration = AnchorIteration(X, before, approach(r, -r), dict.fromkeys((-1, 1), np.nan), nowhere)
-    assert (iteration.renewed(after, np.zeros(len(X)), settled=1e-9) is not None) == holds
+    old = np.where(ahead, 9.0, 0.0)
+    new = iteration.renewed(after, old, settled=1e-9)
+    assert (new is not None) == holds
+    if holds:
+        assert iteration.unsettled == pytest.approx(1.0) and iteration.is_best
+        worse = touching(0.7, stick=0.5, s=after.s)
+        iteration.renewed(worse, -new, settled=1e-9)
+        assert iteration.unsettled == pytest.approx(2.0) and not iteration.is_best and iteration.after is worse
+        iteration.go_back()
+        assert iteration.unsettled == pytest.approx(1.0) and iteration.after is after
 
 
 def test_a_side_that_does_not_grow_keeps_its_ratio():

@@ -3,7 +3,17 @@
 import pytest
 
 from simulations.fem.load import Load
-from simulations.loading.schedule import LoadStep, load_parameter, pressed_first, visiting
+from simulations.loading.schedule import LoadStep, load_parameter, pressed_first, rocking, visiting
+
+
+@pytest.mark.parametrize("quarter, states", [(1, "CEA"), (2, "BCDEA"), (3, "BCDEA"), (10, "BCDEA")])
+def test_states_of_a_cycle_are_those_of_figure_11(quarter, states):
+    """At their loads, or with an odd number of load steps a quarter B and D at the next; one step has neither."""
+    wanted = {"B": 0.5, "C": 0.0, "D": -0.5, "E": -1.0, "A": 1.0}
+    found = {step.state: step.Q / 0.2 for step in rocking(1.0, 0.2, 1, quarter) if step.state and step.cycle}
+    assert "".join(found) == states
+    for state, Q in found.items():
+        assert Q == pytest.approx(wanted[state], abs=0.2 if quarter == 3 and state in "BD" else 1e-12)
 
 
 @pytest.mark.parametrize("P", [0.1, 0.3, 0.9])
