@@ -15,6 +15,7 @@ STRONG = SOLID | {"solid.modulus": "power law", "solid.k": 0.5, "solid.y0_over_a
 STRONG |= {"load.P": 1e6, "load.mu": 1.0, "load.amplitude": 0.95}
 UNCOUPLED = {"effects.coupling": False}
 LOOP = {"load.P": 1e6, "load.amplitude": 0.9}
+MOVING = SOLID | {"solid.nu": 0.0, "load.P": 1e6, "load.mu": 0.6, "load.amplitude": 0.8}  # points enter and leave
 FALLING = SOLID | {"load.points": [[8.9e5, 0.0], [7.1e5, 9.8e4], [2.7e5, 6.5e3], [6.1e5, 1.3e5]]}
 
 
@@ -28,12 +29,16 @@ def by_points(history) -> float:
     return sum(entry.surface.line_load(entry.own_work) for entry in entries)
 
 
-def test_strong_coupling_with_few_load_steps():
-    """Of a loop, whose states do not depend on the load steps; each point begins to slide somewhere within one."""
-    few = run(STRONG, 3)
-    many = run(STRONG, 24, few.cells).history.dissipated_energy
-    assert few.history.dissipated_energy == pytest.approx(many, rel=2e-3)
-    assert by_points(few.history) / many - 1 > 3e-3
+@pytest.mark.parametrize("scene, steps, error, of_points", [(STRONG, 3, 2e-3, 3e-3), (MOVING, 4, 1e-3, 1.2e-3)])
+def test_strong_coupling_with_few_load_steps(scene, steps, error, of_points):
+    """Of a loop, whose states do not depend on the load steps; each point begins to slide somewhere within one.
+
+    Where points enter contact pressure has a part in the balance of energy, here 1.3e-3 of it.
+    """
+    few = run(scene, steps)
+    many = run(scene, 24, few.cells).history.dissipated_energy
+    assert few.history.dissipated_energy == pytest.approx(many, rel=error)
+    assert by_points(few.history) / many - 1 > of_points
 
 
 def test_while_P_changes_without_coupling():
@@ -100,10 +105,10 @@ def test_points_that_an_edge_passes_slide_for_a_part_of_the_step(k, leaves):
 def test_a_point_that_slides_ever_faster_does_more_under_the_later_pressure():
     """s = -t² from t = 20 on, by load steps of 1, while p grows from 1 to 3.
 
-    To a tenth of what a steady slip leaves out.
+    To a thirtieth of what a steady slip leaves out.
     """
     earlier, before, after = (surface(p, 1.0, -np.full(3, t**2)) for p, t in ((1.0, 20.0), (1.0, 21.0), (3.0, 22.0)))
     t = (np.arange(10_000) + 0.5) / 10_000
     exact = MU * np.mean((1 + 2 * t) * 2 * (21 + t))
     steady, faster = (frictional_work(before, after, FAR, 0.0, first)[0] for first in (None, earlier))
-    assert faster - steady == pytest.approx(exact - steady, rel=0.1) and exact > steady
+    assert faster - steady == pytest.approx(exact - steady, rel=0.03) and exact > steady
