@@ -1,5 +1,7 @@
 """The energy that friction takes on a straight way of the loads follows from the balance of energy."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from running import COARSE
@@ -7,7 +9,7 @@ from solving import simulated
 
 from simulations.fem.surface import SurfaceState
 from simulations.runs.closed_forms import Springs
-from simulations.runs.frictional_work import frictional_work
+from simulations.runs.frictional_work import frictional_work, work_of_pressing
 from simulations.runs.simulation import Simulation
 
 SOLID = {"solid.E0": 210e9, "solid.nu": 0.3, "solid.modulus": "homogeneous", "indenter.R": 0.1, "load.mu": 0.3}
@@ -100,6 +102,16 @@ def test_points_that_an_edge_passes_slide_for_a_part_of_the_step(k, leaves):
     work = frictional_work(*((touching, open_points) if leaves else (open_points, touching)), FAR, k)
     exact = 0.2 * MU * distance ** (power + 1) / (power + 1)  # each slides as long as the edge is beyond it
     assert work.sum() == pytest.approx(exact.sum(), rel=1e-4)
+
+
+@pytest.mark.parametrize("k", [-0.6, 0.0, 0.6])
+def test_work_of_pressing_is_that_of_all_earlier_states_similar_to_the_last(k):
+    """p = 1 and u_x = -x under a parabola with a = 1: each point has x^(3+k) ∫ g ξ^-(4+k) dξ, g = mu ξ."""
+    x = np.linspace(-1, 1, 4001)
+    work = work_of_pressing(replace(surface(1.0, 1.0, -x), x=x), k, 2.0)
+    distance = np.abs(x)
+    exact = MU * (distance - distance ** (3 + k)) / (2 + k)
+    assert work == pytest.approx(exact, rel=1e-3, abs=1e-3 * exact.max())
 
 
 def test_a_point_that_slides_ever_faster_does_more_under_the_later_pressure():
