@@ -125,15 +125,21 @@ def compare_state(entry: Entry, reference: Reference) -> dict[str, float]:
 
 def apart(entry: Entry, other: Reference, reference: Reference) -> dict[str, float]:
     """The same of another reference in the place of the run."""
-    return _deviations(entry, reference, lambda name, x: getattr(other, name)(entry, x))[0]
+    return _deviations(entry, reference, _fields(entry, other))[0]
+
+
+def _fields(entry, other: Reference) -> Callable[[str, np.ndarray], np.ndarray]:
+    """Fields of another reference in the entry's state, by name and x."""
+    return lambda name, x: getattr(other, name)(entry, x)
 
 
 def _compared(entry, reference) -> tuple[dict[str, float], dict[str, float]]:
     """``compare_state``, and what of it is the reference's own, {} of an exact one."""
-    fields: list[Callable] = [lambda name, x: getattr(entry, f"{name}_at")(x)]
-    if coarser := reference.coarser:
-        fields.append(lambda name, x: getattr(coarser, name)(entry, x))
-    deviation, own, *_ = *_deviations(entry, reference, *fields), {}
+    others: list[Callable] = [lambda name, x: getattr(entry, f"{name}_at")(x)]
+    if reference.coarser:
+        others.append(_fields(entry, reference.coarser))
+    deviation, *coarser = _deviations(entry, reference, *others)
+    own = coarser[0] if coarser else {}
     return {name: value + own.get(name, 0.0) for name, value in deviation.items()}, own
 
 

@@ -95,7 +95,7 @@ def judged(
             errors = estimated(simulation, other.run_to_end(), ratio)
             dependent = dependent_on_load_steps(simulation)
             if dependent:
-                tell("the same with twice the load steps")
+                tell("the same with more load steps")
                 errors = errors.plus(of_load_steps(other), dependent)
         except (SceneError, SolveError) as reason:  # the run itself is done
             cause = f"the error is not known, as the second mesh fails: {reason}"
