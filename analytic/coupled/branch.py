@@ -10,6 +10,7 @@ from .conditions import check
 from .edges import ITERATIONS, EdgeSolver, edges_of
 from .tractions import SlipState
 
+SAME = 1e-12  # of P: tangential loads this close are one, and there is no turn between them
 FIRST = 0.02  # least load over the span of the branch, where there is a solution,
 FIRST_BORNE = 0.5  # and from which on the energy needs one,
 STRIDE, HALVINGS = 3.0, 4  # factor between loads on the way there, halvings of its logarithm where there is none,
@@ -72,6 +73,10 @@ class Branch:
     def variable(self, load):
         """(1 - c/a)^(1/POWER) as it is without coupling, (48): in it delta_x is smooth up to full slip."""
         return (-np.expm1(np.log1p(-load / self._limit) / (2 + self.problem.k))) ** (1 / POWER)
+
+    def is_undone(self, Q):
+        """True where Q has come back past the turn at which this branch began."""
+        return self.direction * (self.base.Q - Q) > SAME
 
     def _spread(self, low, high, count):
         """Loads from low to high, Chebyshev points in ``variable``."""

@@ -5,7 +5,6 @@ import numpy as np
 from .edges import edges_of, variables_of
 
 MIRRORED = np.array([-1.0, 1.0, 1.0, -1.0])  # signs of the variables at -x, in reverse order
-PASSED = 1e-9  # of the load, beyond an earlier turn
 CLOSE = 1e-3  # to where stick ended, over its half-width
 
 
@@ -37,7 +36,7 @@ def beyond(earlier, last, within, base, direction, load):
     """As ``within`` up to the turn at which the last branch began; beyond as if the earlier one, which ended there, had
     gone on."""
     Q = base.Q + direction * load
-    if direction * (Q - last.base.Q) <= PASSED * load:
+    if not last.is_undone(Q):
         return within(load)
     load_of_earlier = abs(Q - earlier.base.Q)
     edges = edges_of(earlier.guessed(load_of_earlier), load_of_earlier, earlier.base.contact)

@@ -11,14 +11,13 @@ from ..checks import ContactNotConverged, require_partial_slip
 from ..half_plane.layered_kernel import LayeredKernel
 from ..material import GradedHalfPlane
 from . import guess
-from .branch import Branch
+from .branch import SAME, Branch
 from .pressed import NormalStage, PressedWithFriction
 from .problem import surface_of
 from .state import CoupledState
 from .work import FrictionalWork
 
 ORDER = 10  # of the basis, which also says at how many loads a branch is solved for its energy
-SAME = 1e-12  # of P: tangential loads this close are one, and there is no turn between them
 
 
 @dataclass(frozen=True)
@@ -107,7 +106,7 @@ class CoupledLoop:
                 raise turn
             base = reached
             branches.append(branch)
-            while len(branches) > 2 and direction * (Qs[-1] - branches[-2].base.Q) > SAME:
+            while len(branches) > 2 and branches[-2].is_undone(Qs[-1]):
                 del branches[-2:]  # the one before them goes on, as without the turns that are passed
         return states
 
