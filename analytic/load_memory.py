@@ -17,7 +17,7 @@ import numpy as np
 
 from .checks import require_partial_slip
 
-SAME_POINT = 1e-14  # of mu P: points of the polyline closer than this are one
+SAME_POINT = 1e-14  # of P, and of mu P for Q: points of the polyline closer than this are one
 SAME_SLOPE = 1e-9  # of mu
 
 
@@ -69,10 +69,10 @@ class LoadMemory:
         return self._joined(after, min(stick, P), P, Q)
 
     def _joined(self, kept, stick, P, Q):
-        """The first ``kept`` points, the one at the load ``stick`` < P, and the new loads."""
-        new = [(stick, self.narrower(stick)), (P, Q)] if stick < P else [(P, Q)]
-        loads, tangential = np.concatenate([np.stack([self.P, self.Q], axis=1)[:kept], new]).T
-        return LoadMemory(self.mu, loads, tangential, stick)
+        """The first ``kept`` points, that at the load ``stick``, and the new loads, without what is one with these."""
+        loads = np.append(self.P[:kept], stick)
+        loads = loads[loads < P - SAME_POINT * P]
+        return LoadMemory(self.mu, np.append(loads, P), np.append(self.narrower(loads), Q), stick)
 
     def _straight(self, slope):
         """Whether a line of this slope only lengthens the last one."""

@@ -97,6 +97,19 @@ def test_loads_that_go_back_leave_traction_at_its_limit():
         assert (abs(state.traction(x)) > (1 - 1e-9) * MU * state.pressure(x)) == at_limit
 
 
+@pytest.mark.parametrize("slope", [1.0, -1.0])
+def test_a_way_back_along_the_limit_of_friction_leaves_no_trace(slope):
+    """P grows and falls again with dQ = ±mu dP: nothing slips, and where |q| < mu p is as before, whatever rounds."""
+    before, path = [(0.9 * P, 0.54 * MU * P), (0.2 * P, -0.18 * MU * P)], SpringPath(cylinder(0.3), MU)
+    state = path.run(before)[-1]
+    for share in (0.06, 0.17, 0.29, 0.41):
+        way = [(0.2 + share * i / 5, -0.18 + slope * share * i / 5) for i in (1, 2, 3, 4, 5, 4, 3, 2, 1)]
+        back = path.run([*before, *((N * P, T * MU * P) for N, T in way), before[-1]])[-1]
+        assert back.half_width_below_limit == pytest.approx(state.half_width_below_limit, rel=1e-12)
+        assert len(back.memory.P) == len(state.memory.P)
+        assert back.dissipated_energy == pytest.approx(state.dissipated_energy, rel=1e-12)
+
+
 # -- P grows while Q acts ------------------------------------------------------------------------------------------
 
 
