@@ -1,6 +1,6 @@
 """Errors, and checks of input: every refusal names the value and the admissible range."""
 
-from math import inf, isfinite
+from math import inf
 
 
 class UndefinedDisplacementError(ValueError):
@@ -12,10 +12,10 @@ class ContactNotConverged(RuntimeError):
 
 
 def require(name, value, low=0.0, high=inf, *, closed_low=False, closed_high=False):
-    """Raise ValueError unless value is finite and low < value < high, or <= where closed."""
+    """Raise ValueError unless low < value < high, or <= where closed; a limit that is infinite is open."""
     above = value >= low if closed_low else value > low
     below = value <= high if closed_high else value < high
-    if not (above and below and isfinite(value)):
+    if not (above and below):
         left, right = "<=" if closed_low else "<", "<=" if closed_high else "<"
         raise ValueError(
             f"{name} = {value!r} is outside the admissible range {low} {left} {name} {right} {high}"
