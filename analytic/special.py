@@ -140,8 +140,7 @@ def _by_zone(x, s, distance, near, far, at_edge, far_away):
     """near(y) for y <= 1/2, far(s/x) for z < 1/2; at_edge for x <= s, far_away for s = 0."""
     x, s = np.asarray(x, dtype=float), np.asarray(s, dtype=float)
     x, s, distance = np.broadcast_arrays(x, s, x - s if distance is None else distance)
-    result = np.where(s == 0, far_away, at_edge)
-    result[distance <= 0] = at_edge
+    result = np.where((s == 0) & (distance > 0), far_away, at_edge)
     result[np.isnan(x)] = np.nan
     outside = (s > 0) & (distance > 0)
     x, s, distance = x[outside], s[outside], distance[outside]

@@ -85,7 +85,7 @@ def test_ends_of_the_range(k):
     np.testing.assert_array_equal(special.punch_relative_displacement(x, 1.0, k) > 0, x > 1)
     np.testing.assert_array_equal(special.parabolic_gap(x, 1.0, k) > 0, x > 1)
     np.testing.assert_array_equal(special.parabolic_relative_displacement(x, 1.0, k) < 1, x > 1)
-    assert special.parabolic_gap(1.0, 0.0, k) == 1
+    assert special.parabolic_gap(1.0, 0.0, k) == 1 and special.parabolic_gap(0.0, 0.0, k) == 0
     assert special.parabolic_relative_displacement(1.0, 0.0, k) == 0
     assert np.isinf(special.punch_relative_displacement(1.0, 0.0, k)) == (k <= 0)
     assert np.ndim(special.parabolic_gap(2.0, 1.0, k)) == 0
