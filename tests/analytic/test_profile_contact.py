@@ -41,6 +41,10 @@ MIXED = Profile(  # of powers that no series has
     lambda x: x**1.5 + x**2, lambda x: 1.5 * x**0.5 + 2 * x, lambda x: 0.75 * x**-0.5 + 2, order=1.5
 )
 
+BLUNT = Profile(  # beside whose tip a power is 0 to a float
+    lambda x: x**120, lambda x: 120 * x**119, lambda x: 120 * 119 * x**118, order=120.0
+)
+
 
 @lru_cache
 def power_reference(k, m):
@@ -284,6 +288,7 @@ def test_inadmissible_profiles(arguments, message):
         (True, rounded_punch(0.2, 1.0), 0.35),
         (False, rounded_punch(1e-3, 1.0), 0.35),
         (False, MIXED, 0.3),
+        (False, BLUNT, 0.3),
     ],
 )
 def test_the_density_is_a_series_where_that_has_all_digits(k, smooth, profile, a):
