@@ -100,7 +100,7 @@ def run_all(
     What the store holds is not run again, unless its folder is not whole; a failed run is told, never kept (another
     call tries it again), and never the end of the others. executor: None, or where runs may go; this process works too,
     from the end of the list, so that N ranks do the work of N. tell: called with lines of progress. OutputError where
-    the store cannot be written.
+    the store or the results of a run cannot be written: the next ones would not be kept either.
     """
     items = list(items)
     kept = store.read() if store else {}
@@ -161,6 +161,8 @@ def _attempt(work, values) -> Row:
     """What ``work`` returns, or why it does not."""
     try:
         return work(values)
+    except OutputError:
+        raise
     except Exception as error:
         return {FAILED: _reason(error)}
     finally:
@@ -188,6 +190,8 @@ def _remote(work, values) -> Row:
 def _result(future: Future) -> Row:
     try:
         return future.result()
+    except OutputError:
+        raise
     except Exception as error:  # the process ended, or the row could not be sent
         return {FAILED: _reason(error)}
 

@@ -42,6 +42,16 @@ def slow_where_first(values):
     return {"pid": os.getpid()}
 
 
+def cannot_write(values):
+    """Work whose results find no place."""
+    raise OutputError(f"results/{values['n']} cannot be written: No space left on device")
+
+
+def cannot_write_elsewhere(values):
+    """The same in a process of the pool alone."""
+    return square(values) if parent_process() is None else cannot_write(values)
+
+
 def spawned(workers):
     return ProcessPoolExecutor(workers, mp_context=get_context("spawn"))
 
@@ -118,6 +128,14 @@ def test_a_full_disk_is_no_row(tmp_path):
     """What cannot be kept ends the study: it would be lost."""
     with pytest.raises(OutputError, match="runs.jsonl cannot be written"):
         run_all(ITEMS, square, Store(tmp_path / "absent" / "runs.jsonl"))
+
+
+def test_a_full_disk_in_a_run_ends_the_study_too():
+    """Also one of another process."""
+    with pytest.raises(OutputError, match="^results/0 cannot be written"):
+        run_all(ITEMS, cannot_write)
+    with spawned(1) as executor, pytest.raises(OutputError, match="^results/. cannot be written"):
+        run_all(ITEMS, cannot_write_elsewhere, executor=executor)
 
 
 @pytest.mark.parametrize("ranks", [2, 3])

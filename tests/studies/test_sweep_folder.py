@@ -12,6 +12,7 @@ import simulations.sweep as command
 from simulations import SceneError, SolveError, fretting
 from simulations.output import folder as run_folder
 from simulations.output.checkpoint import read_scene
+from simulations.output.files import OutputError
 from simulations.output.lock import Lock, Locked
 from simulations.runs.checks import ChecksFailed
 from simulations.scene import DEFAULT_SCENE
@@ -52,10 +53,13 @@ def test_python_names_its_own_argument(swept, tmp_path):
 
 
 def test_a_full_disk_in_the_folder_of_a_run_names_the_sweep(tmp_path, monkeypatch):
-    """Not --resume, with which a single run goes on: the sweep would not know of it."""
+    """Not --resume, with which a single run goes on: the sweep would not know of it. It ends: no other run is kept."""
     fill_disk(monkeypatch, 4)  # after both folders and the scene
-    (row,) = sweeping.sweep(vary={"load.cycles": [0]}, sets=COARSE_SETS, output=tmp_path, folders=True)
-    assert row["reason"] == f"{tmp_path}/run-0001 cannot be written: No space left on device; go on with the same sweep"
+    with pytest.raises(OutputError) as error:
+        sweeping.sweep(vary={"load.cycles": [0, 1]}, sets=COARSE_SETS, output=tmp_path, folders=True)
+    why = "No space left on device; go on with the same sweep"
+    assert str(error.value) == f"{tmp_path}/run-0001 cannot be written: {why}"
+    assert not [*tmp_path.glob("run-0002")]
     monkeypatch.undo()
     (row,) = sweeping.sweep(vary={"load.cycles": [0]}, sets=COARSE_SETS, output=tmp_path, folders=True)
     assert row["status"] == "done"
