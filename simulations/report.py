@@ -9,7 +9,7 @@ from .command.arguments import Parser
 from .command.command import on_root, run, say
 from .output import page_figures as figures
 from .output.body_states import read_states
-from .output.files import rows_of, write_text
+from .output.files import reading, rows_of, write_text
 from .output.folder import REPORT, lost_file, refuse_changed
 from .output.page_words import CHECKS, FIELDS, PHASES, QUANTITIES, asked, quantity
 from .output.style import left_out, spread
@@ -59,7 +59,8 @@ def read(arguments: list[str]) -> Path:
 def page(folder: Path) -> str:
     """The page as HTML; everything it shows is in it. SceneError where the files are not those of a run."""
     try:
-        summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+        with reading(folder / "summary.json") as path:
+            summary = json.loads(path.read_text(encoding="utf-8"))
         rows = rows_of(folder / "history.csv")
         scene = (folder / "scene.toml").read_text(encoding="utf-8")
         words = asked(parse(scene, name=f"scene {shown(folder / 'scene.toml')}"))

@@ -19,6 +19,7 @@ from ..fem.numbering import nearest
 from ..scene import SceneError
 from ..scene.output import NORMAL
 from .field_index import FOLDER, MESH
+from .files import reading
 
 
 @dataclass(frozen=True)
@@ -36,12 +37,12 @@ def read_states(folder: Path) -> list[BodyState]:
     of its von Mises stress.
     """
     files = _files(folder)
-    with h5py.File(folder / FOLDER / MESH) as mesh:
+    with reading(folder / FOLDER / MESH) as path, h5py.File(path) as mesh:
         is_half = mesh["x"][0] == 0
         x, y = ((mesh[name][1:] + mesh[name][:-1]) / 2 for name in ("x", "depth"))
     states = []
     for path in files.values():
-        with h5py.File(path) as file:
+        with reading(path), h5py.File(path) as file:
             if "von_mises" not in file:
                 raise SceneError(f"{folder} holds no von Mises stress: output.fields left it out")
             name = file.attrs["state"] or f"load step {file.attrs['load_step']}"

@@ -89,10 +89,22 @@ def write_table(path: Path, rows: list[dict]):
     write_text(path, table.getvalue())
 
 
+@contextmanager
+def reading(path: Path) -> Iterator[Path]:
+    """Meanwhile a file is read: ValueError, which names it, where that fails, as for one that is cut short."""
+    try:
+        yield path
+    except (KeyError, OSError, ValueError) as error:
+        raise ValueError(f"{path.name}: {error}") from None
+
+
 def rows_of(path: Path) -> list[dict[str, str]]:
-    """Rows of a CSV file by column."""
-    with path.open(encoding="utf-8", newline="") as file:
-        return list(csv.DictReader(file))
+    """Rows of a CSV file by column, ``reading`` it."""
+    with reading(path):
+        text = path.read_text(encoding="utf-8")
+        if not text.endswith("\n"):
+            raise ValueError("it is empty or cut short")
+        return list(csv.DictReader(io.StringIO(text, newline="")))
 
 
 def write_history(path: Path, history: History, scales: Scales, times: np.ndarray):

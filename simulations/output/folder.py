@@ -181,7 +181,7 @@ def lost_file(folder: Path) -> str:
     if kept or any((folder / name).exists() for name in indices):
         names += indices
     if (folder / field_index.XDMF).exists():
-        names += field_index.files_of((folder / field_index.XDMF).read_text(encoding="utf-8"))
+        names += field_index.files_of((folder / field_index.XDMF).read_text(encoding="utf-8", errors="replace"))
     return next((name for name in names if not (folder / name).exists()), "")
 
 

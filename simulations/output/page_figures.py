@@ -10,6 +10,7 @@ import numpy as np
 
 from .body_pictures import fill, half_width, inside
 from .body_states import BodyState
+from .files import reading
 from .page_words import prefixed, quantity
 from .style import BLACK, BLUE, COLOURS, GREY, left_out, spread, style
 
@@ -25,7 +26,7 @@ def surface(folder: Path, rows: list[dict]) -> bytes | None:
     """
     if not (folder / "surface.h5").is_file():
         return None
-    with h5py.File(folder / "surface.h5") as file:
+    with reading(folder / "surface.h5") as path, h5py.File(path) as file:
         data = {name: file[name][()] for name in file if name not in ("state", "branch")}
         states = file["state"].asstr()[()]
     named = {name: i for i, name in enumerate(states) if name}  # the last state of each name

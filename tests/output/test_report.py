@@ -200,6 +200,25 @@ def test_a_run_that_has_lost_a_file_has_no_page(folder, name):
     assert not (folder / "report.html").exists()
 
 
+@pytest.mark.parametrize("name", ["history.csv", "summary.json", "surface.h5", "fields/mesh.h5", "a state"])
+@pytest.mark.parametrize("left", [0, 0.5])
+def test_a_file_that_is_cut_short_is_named(folder, name, left):
+    cut = folder / name if name != "a state" else next((folder / "fields").glob("0*.h5"))
+    whole = cut.read_bytes()
+    cut.write_bytes(whole[: int(left * len(whole))].rstrip(b"\n"))
+    with pytest.raises(SceneError) as error:
+        report.main([str(folder)])
+    assert ": its files are not those of a run: " in str(error.value) and "\n" not in str(error.value)
+    assert f"{cut.name}: " in str(error.value)
+    assert not (folder / "report.html").exists()
+
+
+def test_an_index_that_is_no_text_is_no_error_of_the_program(folder):
+    """The page does not need it."""
+    (folder / "fields.xdmf").write_bytes(b"\xff\xfe")
+    report.main([str(folder)])
+
+
 def test_a_run_that_stopped_before_a_state_was_kept_has_a_page(folder):
     (folder / "summary.json").write_text(json.dumps(summary_of(folder) | {"converged": False, "failure": "stopped"}))
     for name in ("fretting.png", "fields.xdmf", "fields.vtkhdf"):
