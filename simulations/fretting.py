@@ -7,7 +7,7 @@ from .command.command import comm, on_root, run, say
 from .command.progress import Progress
 from .command.stopping import stopping
 from .output import checkpoint
-from .output.folder import begin, claimed, files, go_on, lost_table, refuse_changed
+from .output.folder import begin, claimed, files, go_on, lost_table
 from .output.results import Results
 from .output.table import table
 from .runs.checks import ChecksFailed
@@ -36,8 +36,6 @@ def main(
         say(explain(Simulation(comm, request.scene)))
         return
     folder = request.output
-    if request.resume:
-        on_root(lambda: refuse_changed(folder))
     if request.resume and on_root(lambda: checkpoint.is_complete(folder)):
         lost = on_root(lambda: lost_table(folder))
         if lost:

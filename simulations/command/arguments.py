@@ -12,6 +12,7 @@ from typing import NoReturn
 from petsc4py import PETSc
 
 from ..output import checkpoint
+from ..output.folder import refuse_changed
 from ..scene import Scene, SceneError, one_line, parse, shown
 from ..scene.text import read_text
 from ..solvers.bulk_solver import bulk_solver
@@ -74,6 +75,8 @@ def read_request(arguments: list[str], program: str, description: str | None, de
         if vars(given) != vars(parser.parse_args([])) | {"resume": given.resume, "quiet": given.quiet}:
             names = "scene, --output, --set, --reference, --accuracy, --explain or --overwrite"
             raise SceneError(f"--resume takes no {names}: its folder has the scene")
+        if (given.resume / checkpoint.SCENE).is_file():
+            refuse_changed(given.resume)
         scene = checkpoint.read_scene(given.resume)
         return Request(scene, given.resume, command, None, petsc, False, given.quiet, resume=True)
     text = default if given.scene is None else read_text(given.scene, "scene")

@@ -51,6 +51,13 @@ def test_a_scene_changed_since_is_refused(stopped, uninterrupted, tmp_path):
     assert not (ended / "report.html").exists()
 
 
+@pytest.mark.parametrize("content", [b"", bytes(2), b"solid = 1"])
+def test_a_scene_that_is_lost_is_not_read(stopped, content):
+    """By a power cut, for one: what would be said of keys that are missing in it helps nobody."""
+    (stopped / "scene.toml").write_bytes(content)
+    assert "scene.toml is not as the run wrote it" in refusal("--resume", stopped)
+
+
 @pytest.mark.parametrize("checks", [None, {"x": {}}, {"x": None}, [1]])
 def test_a_summary_whose_checks_were_changed_is_refused(uninterrupted, tmp_path, checks):
     folder = shutil.copytree(uninterrupted, tmp_path / "ended")
