@@ -45,7 +45,7 @@ def read_states(folder: Path) -> list[BodyState]:
         with reading(path), h5py.File(path) as file:
             if "von_mises" not in file:
                 raise SceneError(f"{folder} holds no von Mises stress: output.fields left it out")
-            name = file.attrs["state"] or f"load step {file.attrs['load_step']}"
+            name = file.attrs["state"] or f"increment {file.attrs['load_step']}"
             label = "pressed" if name == NORMAL else f"{name}, {file.attrs['branch']}"
             stress = file["von_mises"][...].reshape(len(y), len(x))
         states.append(_mirrored(label, x, y, stress) if is_half else BodyState(label, x, y, stress))
@@ -63,9 +63,9 @@ def body_functions(
     """Fields of a recorded state as dolfinx functions by name, on one mesh in physical coordinates: x along +Q and y
     upwards [m], the surface at y = 0.
 
-    state: "normal", "A" ... (the last of that name), or the number of a load step. ``displacement`` [m] has the degree
-    of the run and is exact at the nodes; the others are constant in each cell. Every rank of ``comm`` calls it. Raises
-    SceneError where the folder has no such state.
+    state: "normal", "A" ... (the last of that name), or the ``increment`` that history.csv names. ``displacement`` [m]
+    has the degree of the run and is exact at the nodes; the others are constant in each cell. Every rank of ``comm``
+    calls it. Raises SceneError where the folder has no such state.
     """
     path = _file_of(Path(folder), state)
     with h5py.File(path.with_name(MESH)) as file, h5py.File(path) as values:
@@ -118,7 +118,7 @@ def _file_of(folder: Path, state: str | int) -> Path:
     if isinstance(state, int) and state in files:
         return files[state]
     if state not in names:
-        kind = "load step" if isinstance(state, int) else "state"
+        kind = "increment" if isinstance(state, int) else "state"
         there = ", ".join(map(str, files)) if isinstance(state, int) else ", ".join(map(repr, names))
         raise SceneError(f"{folder} has no fields of {kind} {state!r}: there are {there}")
     return names[state]

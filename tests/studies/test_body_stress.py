@@ -48,10 +48,10 @@ def test_a_load_step_of_pressing_has_its_number(folder, tmp_path):
     with h5py.File(min((copy / "fields").glob("0*.h5")), "a") as file:
         file.attrs["state"] = ""
     first = read_states(copy)[0]
-    assert first.label == "load step 0, normal"
+    assert first.label == "increment 0, normal"
     figure, axis = plt.subplots()
     draw(axis, first, first.x.max() / 20, first.von_mises.max())
-    assert axis.get_title() == "load step 0 (pressing)"
+    assert axis.get_title() == "increment 0 (pressing)"
     plt.close(figure)
 
 
