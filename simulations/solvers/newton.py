@@ -158,7 +158,7 @@ class Newton:
         steps, arrived = follow(self.system, self.x, residual, load, self._most_followed)
         residual(self.x)
         self.system.finish(self.x)
-        reason = "" if arrived else f"the path does not arrive in {steps} steps"
+        reason = "" if arrived else f"the path does not arrive in {steps} step{'s' * (steps != 1)}"
         return NewtonResult(arrived, steps, self._norms[0], reason, self._tolerance)
 
     def has_solved(self, load) -> bool:
