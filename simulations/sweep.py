@@ -13,7 +13,7 @@ from types import ModuleType
 from .command.arguments import Parser
 from .command.command import NO_SOLUTION, comm, on_root, run, say
 from .runs.checks import ChecksFailed
-from .scene import DEFAULT_SCENE, shown
+from .scene import DEFAULT_SCENE, SceneError, shown
 from .scene.text import read_keys, read_text
 from .studies.engine import workers
 from .studies.sweep_folder import TABLE, taken
@@ -60,6 +60,8 @@ def read(arguments: list[str]) -> Namespace:
     parser.add_argument("--overwrite", action="store_true", help="replace another sweep in the folder")
     parser.add_argument("--quiet", action="store_true", help="say nothing but warnings and errors")
     given = parser.parse_args(arguments)
+    if not (given.vary or given.csv_in):
+        raise SceneError("nothing varies: --vary KEY=FIRST:LAST:COUNT, --vary KEY=VALUE,VALUE,... or --csv-in FILE")
     given.text = DEFAULT_SCENE if given.scene is None else read_text(given.scene, "scene")
     read_keys(given.text, f"scene {shown(given.scene)}")
     given.sets = tuple(given.set)

@@ -5,6 +5,7 @@ import io
 import itertools
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from math import inf
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +21,7 @@ MOST = 100_000  # scenes of a sweep
 STATUS, REASON = "status", "reason"  # columns of a sweep's table beside its keys and results
 RESULTS = ("a[m]", "indentation[m]", "peak_pressure[Pa]", "reference", "checks")  # columns of every scene's results
 RESULTS += ("unknowns", "increments", "newton_iterations", "seconds")
-RANGE = re.compile(rf"({NUMBER}):({NUMBER}):(\d+)")
+RANGE = re.compile(rf"({NUMBER}):({NUMBER}):(\d{{1,9}})")
 TOKEN = re.compile(r'''(?<!\w)(?:"(?:\\.|[^"\\])*"|'[^']*')|.''', re.DOTALL)  # a text in quotes, or one character
 
 
@@ -41,7 +42,7 @@ def _values(key: str, text: str) -> list:
     found = RANGE.fullmatch(text)
     if found:
         first, last, count = float(found[1]), float(found[2]), int(found[3])
-        if not 2 <= count <= MOST or first == last:
+        if not (2 <= count <= MOST and 0 < abs(last - first) < inf):
             raise SceneError(f"--vary {key}={text} is not allowed: two different ends and 2 to {MOST} values")
         return [float(f"{value:.12g}") for value in np.linspace(first, last, count)]
     if ":" in text and "[" not in text and '"' not in text:
@@ -133,7 +134,7 @@ def product(
         if any(key in row for row in rows):
             raise SceneError(f"{key} is to vary in two ways: as a key of its own and in a table")
     if not columns and not any(rows):
-        raise SceneError("nothing varies: --vary KEY=FIRST:LAST:COUNT, --vary KEY=VALUE,VALUE,... or --csv-in FILE")
+        raise SceneError("nothing varies: vary has no key with values")
     count = len(rows)
     for values in columns.values():
         count *= len(values)
