@@ -27,6 +27,9 @@ class Progress:
     def __init__(self, quiet: bool = False):
         self.quiet = quiet
         self._live = not quiet and sys.stdout.isatty() and not any(name in os.environ for name in LAUNCHED)
+        self.simulation: Simulation = None  # type: ignore[assignment]  # until ``begin``
+        self.total = self._first = 0  # load steps: all, and those done before ``begin``
+        self._start = self._afterwards = self._reference_start = self._said = 0.0  # s
 
     def begin(self, simulation: Simulation, afterwards: float = 0.0):
         """The load steps are about to begin; ``afterwards`` the seconds that are expected after the last of them."""
