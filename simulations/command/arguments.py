@@ -37,10 +37,10 @@ class Request:
     scene: Scene
     output: Path
     command: str
-    scene_file: Path | None = None
-    petsc: tuple[str, ...] = ()
-    explain: bool = False
-    quiet: bool = False
+    scene_file: Path | None
+    petsc: tuple[str, ...]
+    explain: bool
+    quiet: bool
     resume: bool = False
     overwrite: bool = False
 

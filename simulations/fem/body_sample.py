@@ -32,7 +32,7 @@ class BodySample:
     degree: int
     displacement: np.ndarray
     stress: np.ndarray
-    is_half: bool = False
+    is_half: bool
 
     def displacement_at(self, x, y) -> np.ndarray:
         """Displacement (n, 2) at x, depth y (n,)."""

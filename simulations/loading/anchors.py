@@ -34,7 +34,7 @@ class EnteringPoints:
 
     iteration: "AnchorIteration"
 
-    def __init__(self, problem: ContactProblem, edge: StuckEdge | None = None):
+    def __init__(self, problem: ContactProblem, edge: StuckEdge | None):
         self._problem, self._points = problem, AllPoints(problem.points)
         is_uncoupled = problem.held is not None
         self._approach = Approach(self._points.x, None if is_uncoupled else edge, is_uncoupled)

@@ -31,7 +31,7 @@ class Approach:
     Without coupling r is not measured on the points beside the edge, whose displacement has the error of its facet.
     """
 
-    def __init__(self, x: np.ndarray, edge: StuckEdge | None = None, is_uncoupled: bool = False):
+    def __init__(self, x: np.ndarray, edge: StuckEdge | None, is_uncoupled: bool = False):
         self._x, self._edge, self.is_uncoupled = x, edge, is_uncoupled
         if edge:  # asked for the same two surfaces by all three methods below
             self._advance = lru_cache(maxsize=len(SIDES))(partial(Advance.of, x, power=edge.power))

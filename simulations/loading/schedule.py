@@ -76,7 +76,7 @@ def rocking(P: float, Q_A: float, cycles: int, quarter: int, harmonic: bool = Fa
     return schedule
 
 
-def stretched(schedule: list[LoadStep], strain: float, phase: float | str = 0.0) -> list[LoadStep]:
+def stretched(schedule: list[LoadStep], strain: float, phase: float | str) -> list[LoadStep]:
     """The steps of ``rocking`` (and those before) with the strain of the body: ``strain`` cos(angle - phase).
 
     The angle is that of Q = Q_A cos(angle) on its way round the cycle; before, the strain grows with Q. phase: degrees

@@ -35,9 +35,9 @@ class Outcome:
     """What a load step took: all solves and halvings; by how much anchors did not settle, over the motion."""
 
     step: LoadStep
-    results: tuple[NewtonResult, ...] = ()
-    cuts: int = 0
-    unsettled: float = 0.0
+    results: tuple[NewtonResult, ...]
+    cuts: int
+    unsettled: float
 
     @property
     def iterations(self) -> int:

@@ -33,9 +33,9 @@ class Entry:
     unsettled: float  # change of anchors that its state still asks for, over the motion in the load step
     residual: float
     seconds: float
-    tolerance: float = 0.0  # of the residual
-    changes: tuple[int, ...] = ()  # points whose contact state changed, in each iteration of the solve that counts
-    number: int = 0  # place in the history
+    tolerance: float  # of the residual
+    changes: tuple[int, ...]  # points whose contact state changed, in each iteration of the solve that counts
+    number: int  # place in the history
 
     @property
     def a(self) -> float:
@@ -92,9 +92,9 @@ class History:
 
     k: float
     mu: float
-    m: float | None = None
-    exponents: Callable[[float], tuple[float, ...]] | None = None
-    coupled: bool = False
+    m: float | None
+    exponents: Callable[[float], tuple[float, ...]] | None
+    coupled: bool
     entries: list[Entry] = field(default_factory=list)
     _way: StraightWay = field(init=False, repr=False)  # the present one
     _rest: np.ndarray = field(init=False, repr=False)  # (n,) relative displacement from which slip counts

@@ -26,7 +26,7 @@ class Comparison:
     deviations: dict[str, float]
     worst: dict[str, float]
     own: dict[str, float]
-    without: tuple[str, ...] = ()  # effects that the other leaves out
+    without: tuple[str, ...]  # effects that the other leaves out
 
 
 @dataclass(frozen=True)
