@@ -174,7 +174,10 @@ class Newton:
         self.last_steps.keep(load, self.x)
 
     def save(self) -> dict[str, np.ndarray]:
-        """What the next solve takes from earlier load steps, as arrays by name, of rank 0; {} where no rank has it."""
+        """What the next solve takes from earlier load steps, as arrays by name, of rank 0.
+
+        {} by the full method, whose unknowns no rank has alone: its next solve starts as where the load turns.
+        """
         if not self.system.last_forces().size:
             return {}
         return self.last_steps.save() | (self._jumps.save() if self._jumps else {})
