@@ -3,7 +3,8 @@
 All depend on s/x, half-width over distance. The printed forms subtract two terms of size 1/k, which
 leaves nothing for small k or for x -> s. Here each function is a power series in y = 1 - s²/x²
 where y <= 1/2, and in z = s²/x² elsewhere, with the pole in k cancelled analytically; the terms
-that remain do not cancel for any -1 < k < 1. In the code h = k/2 and w = (1-k)/2.
+that remain do not cancel for any -1 < k < 1, but in parabolic_displacement, which vanishes like
+1-k towards k = 1. In the code h = k/2 and w = (1-k)/2.
 
 The functions take x and s of any shape (broadcast), and some distance = x - s, where the caller
 knows it better than the subtraction gives it.
@@ -26,18 +27,13 @@ def punch_relative_displacement(x, s, k, distance=None):
     It is 1/k times the bracket of (8), (14), (21), (35):
     Γ((2+k)/2)Γ((1-k)/2)/√π - (s/x)^k F(k/2,(1+k)/2;(2+k)/2;s²/x²).
     """
-    h, w, n = k / 2, (1 - k) / 2, np.arange(1, TERMS)
+    h, w = k / 2, (1 - k) / 2
 
     def near(y):
         return y**w * _series(_binomial(1 - h) / (np.arange(TERMS) + w), y) / 2
 
-    def far(ratio):
-        z, power = ratio**2, _regularised_power(ratio, k)
-        tail = z * _series(_binomial(1 - w)[1:] / (n + h), z)
-        return (_beta_without_pole(k) - power - (1 + h * power) * tail) / 2
-
     far_away = punch_rigid_displacement(k) if k > 0 else inf
-    return _by_zone(x, s, distance, near, far, at_edge=0.0, far_away=far_away)
+    return _by_zone(x, s, distance, near, partial(_beta_beyond, k=k), at_edge=0.0, far_away=far_away)
 
 
 def punch_displacement(x, s, k):
@@ -48,6 +44,8 @@ def punch_displacement(x, s, k):
     h, w, whole = k / 2, (1 - k) / 2, punch_rigid_displacement(k)
 
     def near(y):
+        if k > 0.5:  # U is H of the other distance and 1-k, whose pole is that of whole
+            return _beta_beyond(np.sqrt(y), 1 - k)
         return whole - y**w * _series(_binomial(1 - h) / (np.arange(TERMS) + w), y) / 2
 
     def far(ratio):
@@ -117,6 +115,14 @@ def parabolic_displacement(x, s, k):
 def log_remainder(lost, log_left):
     """ln(1 - lost) from lost where that is small, elsewhere from log_left, the same logarithm."""
     return np.where(lost < 0.5, np.log1p(-np.minimum(lost, 0.5)), log_left)[()]
+
+
+def _beta_beyond(ratio, k):
+    """1/2 ∫_z^1 t^(k/2-1) (1-t)^(-(1+k)/2) dt for z = ratio² <= 1/2, without the pole in k."""
+    h, w, n = k / 2, (1 - k) / 2, np.arange(1, TERMS)
+    z, power = ratio**2, _regularised_power(ratio, k)
+    tail = z * _series(_binomial(1 - w)[1:] / (n + h), z)
+    return (_beta_without_pole(k) - power - (1 + h * power) * tail) / 2
 
 
 def _phi(y, k):

@@ -42,6 +42,14 @@ def test_flat_punch(k, s):
         assert relative_error(special.punch_rigid_displacement(k), rigid) < 1e-14
 
 
+@pytest.mark.parametrize("distance_from_1", [2.0**-12, 2.0**-40])
+@pytest.mark.parametrize("s", [0.7, 0.9, 1 - 1e-9, 1 - 1e-13])
+def test_flat_punch_towards_k_1(distance_from_1, s):
+    """There the rigid displacement grows without bound, and that of the surface beside the punch does not."""
+    _, decaying = printed(1 - mp.mpf(distance_from_1), mp.mpf(s))
+    assert relative_error(special.punch_displacement(1.0, s, 1 - distance_from_1), decaying) < 1e-13
+
+
 @pytest.mark.parametrize("k", MORE_EXPONENTS)
 @pytest.mark.parametrize("s", RATIOS)
 def test_parabolic_contact(k, s):
