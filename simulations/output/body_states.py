@@ -113,7 +113,7 @@ def _file_of(folder: Path, state: str | int) -> Path:
     files, names = _files(folder), {}
     state = int(state) if isinstance(state, np.integer) else state
     for number, path in files.items():
-        with h5py.File(path) as file:
+        with reading(path), h5py.File(path) as file:
             names[file.attrs["state"] or str(number)] = path
     if isinstance(state, int) and state in files:
         return files[state]

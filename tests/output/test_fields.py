@@ -1,6 +1,7 @@
 """Fields of the body: against stresses that share nothing with the finite elements, and read back by other tools."""
 
 import runpy
+import os
 import shutil
 from types import SimpleNamespace
 
@@ -327,6 +328,9 @@ def test_a_state_of_which_there_are_several_is_the_last(folder, tmp_path):
         state["von_mises"][...] *= 2.0
     found, last, first = (body_functions(again, state)["von_mises"].x.array for state in ("A", 10, 2))
     assert np.array_equal(found, last) and first == pytest.approx(2.0 * last, rel=1e-6)
+    os.truncate(again / "fields" / "000002.h5", 1000)
+    with pytest.raises(ValueError, match="000002.h5: "):
+        body_functions(again, 10)
 
 
 def test_indices_and_lines_are_of_the_states_that_are_kept_so_far():
