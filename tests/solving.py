@@ -6,8 +6,9 @@ from mpi4py import MPI
 from running import coarse_overrides
 
 from simulations.loading.fallbacks import FALLBACKS, Limits
-from simulations.runs.comparison import compare
+from simulations.runs.comparison import OfStates, compare
 from simulations.runs.energy import EnergyMeter, EnergyStep
+from simulations.runs.history import History
 from simulations.runs.reference import closed_form
 from simulations.runs.simulation import Simulation
 from simulations.scene import DEFAULT_SCENE, make_scene, parse
@@ -63,6 +64,11 @@ def watched(monkeypatch, owner, name: str) -> list[tuple]:
     calls, function = [], getattr(owner, name)
     monkeypatch.setattr(owner, name, lambda *arguments: calls.append(arguments) or function(*arguments))
     return calls
+
+
+def of_history(history: History) -> OfStates:
+    """Another run of the same schedule as reference."""
+    return OfStates(history.entries, history.dissipated_energy)
 
 
 def deviations(simulation: Simulation) -> dict[str, float]:

@@ -93,11 +93,6 @@ class OfStates:
         return self._energy
 
 
-def of_history(history: History) -> OfStates:
-    """Another run of the same schedule as reference."""
-    return OfStates(history.entries, history.dissipated_energy)
-
-
 def last_cycle(states: Sequence, schedule: Sequence[LoadStep]) -> float:
     """Energy dissipated in the last full cycle of ``schedule``, where there is none since first contact."""
     before = before_last_cycle(states, schedule)

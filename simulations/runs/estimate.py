@@ -1,5 +1,5 @@
-"""What ``solver.accuracy`` promises; and a run's error where no reference is known well enough, from two meshes and,
-where load steps count, from twice as many of them.
+"""What ``solver.accuracy`` promises; and a run's error where no reference is known well enough, from a finer mesh on a
+larger domain and, where load steps count, with more of them.
 """
 
 from collections.abc import Callable, Iterator
@@ -15,17 +15,16 @@ from ..loading.stepping import SolveError
 from ..scene import Scene, SceneError, accuracy, make_scene
 from ..scene.effects import Effects
 from .checks import MORE_STEPS, Check, largest
-from .comparison import QUANTITIES, OfStates, compare_all, of_history
+from .comparison import QUANTITIES, OfStates, compare_all
 from .coupled_loop import serves
 from .history import Entry, History
 from .mesh_free import needs_many_steps, steps_for_one
 from .report_data import Comparison
 from .simulation import Simulation
 
-COARSER_MESH = 2.0  # times the fineness
 TOO_COARSE = "a smaller solver.accuracy may help"
 TWICE = 2  # as many load steps; and FEWEST at least, as with fewer the energy is known in another way
-FIRST_ORDER = 2.0  # an error like the load step is twice what half of that step changes
+OVER_CHANGE = 2.5  # error over what the next finer mesh changes; beside known errors 0.2 to 2.3 times that was enough
 WELL_KNOWN = 0.3  # of the accuracy asked for: a reference whose own error is larger measures none
 
 
@@ -44,14 +43,6 @@ class Errors:
     def largest(self) -> float:
         """Of all."""
         return largest(map(abs, (*self.last.values(), *self.worst.values())))
-
-    def plus(self, more: "Errors", names: set[str]) -> "Errors":
-        """The sum of two estimates, of which the second counts for these quantities."""
-        last, worst_state = (
-            {name: abs(error) + (abs(others.get(name, 0.0)) if name in names else 0.0) for name, error in mine.items()}
-            for mine, others in ((self.last, more.last), (self.worst, more.worst))
-        )
-        return Errors(last, worst_state, self.is_estimate or more.is_estimate)
 
     def in_words(self) -> list[str]:
         """The largest of both states, one line each."""
@@ -91,12 +82,7 @@ def judged(
     if errors is None:
         tell("second mesh, for the estimate of the error")
         try:
-            other, ratio = second(simulation.body.mesh.comm, simulation.scene)
-            errors = estimated(simulation, other.run_to_end(), ratio)
-            dependent = dependent_on_load_steps(simulation)
-            if dependent:
-                tell("the same with more load steps")
-                errors = errors.plus(of_load_steps(other), dependent)
+            errors = estimated(simulation, second(simulation).run_to_end())
         except (SceneError, SolveError) as reason:  # the run itself is done
             cause = f"the error is not known, as the second mesh fails: {reason}"
             return Check(float("nan"), wanted, cause), {"wanted": wanted, "is_within": False}
@@ -113,10 +99,10 @@ def judged(
 def _choice(scene: Scene) -> accuracy.Choice:
     """The mesh that ``solver.accuracy`` chose."""
     assert scene.solver.accuracy is not None
-    return accuracy.choose(scene.solver.accuracy, *_asked(scene))
+    return accuracy.choose(scene.solver.accuracy, *_asked(scene), share=accuracy.share_for(scene.reference.kind))
 
 
-def _asked(scene: Scene):
+def _asked(scene: Scene) -> tuple[float, float | None, bool]:
     return accuracy.of_scene(scene.load, scene.material, scene.effects.coupling)
 
 
@@ -130,65 +116,50 @@ def expectation(scene: Scene) -> str:
     return f"accuracy {scene.solver.accuracy:g}: {sizes}; measured for simpler scenes: the error is said at the end"
 
 
-def second(comm, scene: Scene) -> tuple[Simulation, float]:
-    """The same scene on another mesh of the family, not yet run, a coarser one where it is allowed; and what its errors
-    are over those of the scene's mesh.
+def second(simulation: Simulation) -> Simulation:
+    """The same scene, not yet run, on the next finer mesh of the family, or the next coarser one where that is refused;
+    on a domain that is larger (smaller) by as much, and with more load steps where errors depend on them; collective.
     """
-    choice = _choice(scene)
-    levels = [level for level in accuracy.expected(*_asked(scene)) if level.fineness != choice.fineness]
+    scene, choice = simulation.scene, _choice(simulation.scene)
     values = {key: value for key, value in scene.to_keys().items() if key != "solver.accuracy"}
+    values |= more_load_steps(simulation)
+    levels = accuracy.expected(*_asked(scene))  # the finest first
+    place = [level.fineness for level in levels].index(choice.fineness)
+    refused = SceneError("its family has no other")
+    for level in (*levels[:place][-1:], *levels[place + 1 :][:1]):
+        extent = choice.mesh["mesh.extent"] * choice.fineness / level.fineness
+        sizes = level.mesh | {"mesh.extent": extent}
+        try:
+            return Simulation(simulation.body.mesh.comm, make_scene(values | sizes, base=None))
+        except SceneError as reason:  # as of a finer one too large, or a slip zone too narrow for a coarser one
+            refused = reason
+    raise refused
 
-    def on_mesh(times: float) -> tuple[Simulation, float]:
-        """By the level whose fineness is nearest to so many times that of the scene's mesh."""
-        other = min(levels, key=lambda level: abs(np.log(level.fineness / (times * choice.fineness))))
-        return Simulation(comm, make_scene(values | other.mesh, base=None)), other.error / choice.error
 
-    try:
-        return on_mesh(COARSER_MESH)
-    except SceneError:  # as of a slip zone too narrow for it; a finer one tells as much
-        return on_mesh(1 / COARSER_MESH)
+def more_load_steps(simulation: Simulation) -> dict[str, int]:
+    """Keys of a scene with more load steps; none where errors of a run do not depend on them, whatever the mesh.
 
-
-def estimated(simulation: Simulation, other: Simulation, ratio: float) -> Errors:
-    """Errors of ``simulation`` from how far ``other`` is off it.
-
-    The difference is the coarser mesh's error; it is divided by the ``ratio`` that the errors of both meshes have
-    where there are closed forms, and multiplied by the margin of the table.
+    They do where P changes under friction or the error falls more slowly than the load step, and with coupling, where
+    points may come into contact in stick; else, at constant P, with elastic slip alone.
     """
-    return _scaled(accuracy.MARGIN / max(ratio, 1.0), other.history, of_history(simulation.history))
-
-
-def dependent_on_load_steps(simulation: Simulation) -> set[str]:
-    """Which quantities of a run depend on its load steps, whatever the mesh.
-
-    All where P changes under friction or the error falls more slowly than the load step, and with coupling, where
-    points may come into contact in stick; else, at constant P, the energy alone with elastic slip, and none without.
-    """
-    pairs, scene = pairwise(simulation.schedule), simulation.scene
-    loaded = any(step.P != before.P for before, step in pairs if step.branch != "normal")
-    if loaded or needs_many_steps(simulation) or "coupling" in simulation.effects:
-        return set(QUANTITIES)
-    return {"dissipated_energy"} if scene.effects.elastic_slip else set()
-
-
-def of_load_steps(simulation: Simulation) -> Errors:
-    """Errors of a finished ``simulation`` from its load steps, estimated with more of them on its mesh; collective."""
-    scene, history = simulation.scene, simulation.history
-    enough = max(TWICE, ceil(FEWEST / scene.solver.increments))
-    times = steps_for_one(simulation) if needs_many_steps(simulation) else enough
-    more = {"solver.increments": times * scene.solver.increments}
+    scene, keys = simulation.scene, {}
+    loaded = any(step.P != before.P for before, step in pairwise(simulation.schedule) if step.branch != "normal")
+    many = needs_many_steps(simulation)
+    if loaded or many or "coupling" in simulation.effects or scene.effects.elastic_slip:
+        times = steps_for_one(simulation) if many else max(TWICE, ceil(FEWEST / scene.solver.increments))
+        keys["solver.increments"] = times * scene.solver.increments
     if "friction in normal stage" in simulation.effects:  # else these do not matter
-        more["solver.normal_increments"] = TWICE * scene.solver.normal_increments
-    other = Simulation(simulation.body.mesh.comm, make_scene(more, base=scene), simulation.cells).run_to_end()
-    finer = OfStates(list(_at_same_loads(history, other.history)), other.history.dissipated_energy)
-    return _scaled(FIRST_ORDER, history, finer)
+        keys["solver.normal_increments"] = TWICE * scene.solver.normal_increments
+    return keys
 
 
-def _scaled(factor: float, history: History, finer: OfStates) -> Errors:
-    """How far ``history`` is off what is ``finer``, times ``factor``, as an estimate."""
+def estimated(simulation: Simulation, other: Simulation) -> Errors:
+    """Errors of ``simulation`` from how far it is off ``other``, a finished run on another mesh."""
+    history = simulation.history
+    beside = OfStates(list(_at_same_loads(history, other.history)), other.history.dissipated_energy)
     last, worst_state = (
-        {name: factor * abs(error) for name, error in found.items()}
-        for found in compare_all(history, finer)[:2]
+        {name: OVER_CHANGE * abs(error) for name, error in found.items()}
+        for found in compare_all(history, beside)[:2]
     )
     return Errors(last, worst_state, True)
 

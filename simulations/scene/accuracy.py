@@ -21,6 +21,7 @@ TABLE = Path(__file__).with_name("accuracy.csv")
 FINEST_EDGE = 6e-5  # a, for k < 0: slip on thinner layers has ten times the error
 RESOLVED = 8  # edge facets in the slip zone, from which on its traction is about as good as that of a wider one
 LARGEST = 0.5  # of an accuracy that may be asked for
+WITHOUT_REFERENCE = 0.5  # of an accuracy: estimates, which are not to be less than the error, are about twice it
 MARGIN = 1.5  # loads and gradings between those measured; a and c are read between nodes, where errors change sign
 
 
@@ -78,6 +79,11 @@ def of_scene(load: AnyLoad, material: AnySolid, coupling: bool) -> tuple[float, 
     return k, None if isinstance(load, Indentation) else 0.9, False
 
 
+def share_for(reference: str) -> float:
+    """Of an accuracy, what the error of the mesh may be: less where ``reference.kind`` has it estimated."""
+    return WITHOUT_REFERENCE if reference == "none" else 1.0
+
+
 @cache
 def table(path: Path = TABLE) -> tuple[Measured, ...]:
     """The measured lines."""
@@ -89,12 +95,14 @@ def table(path: Path = TABLE) -> tuple[Measured, ...]:
     )
 
 
-def choose(accuracy: float, k: float, amplitude: float | None = 0.9, coupled: bool = False) -> Choice:
-    """The coarsest mesh whose error, with a margin, is ``accuracy``; SceneError with the best there is where none
-    is. amplitude: None under a single load without friction; coupled: whether this is a loop with coupling.
+def choose(
+    accuracy: float, k: float, amplitude: float | None = 0.9, coupled: bool = False, share: float = 1.0
+) -> Choice:
+    """The coarsest mesh whose error, with a margin, is this share of ``accuracy``; SceneError with the best there is
+    where none is. amplitude: None under a single load without friction; coupled: whether this is a loop with coupling.
     """
     levels = expected(k, amplitude, coupled)
-    enough = [choice for choice in levels if choice.error <= accuracy]
+    enough = [choice for choice in levels if choice.error <= share * accuracy]
     if enough:
         return max(enough, key=lambda choice: choice.fineness)
     if not levels:
@@ -102,7 +110,7 @@ def choose(accuracy: float, k: float, amplitude: float | None = 0.9, coupled: bo
         reason = f"k = {k:g} lies outside {low:g} ... {high:g}, where errors were measured"
         raise SceneError(f"solver.accuracy = {accuracy:g} is not allowed: {reason}")
     best = min(levels, key=lambda choice: choice.error)
-    promised = rounded(best.error, 2, up=True)
+    promised = rounded(best.error / share, 2, up=True)
     what = f"{promised:.1e} (about {best.seconds:.0f} s)" if promised < LARGEST else f"{LARGEST:g} or more"
     raise SceneError(f"solver.accuracy = {accuracy:g} is not allowed: the best measured for k = {k:g} is {what}")
 

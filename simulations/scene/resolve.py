@@ -38,16 +38,17 @@ def typed_tables(given: Mapping[str, Any]) -> dict[str, Table]:
     load = _load(raw["load"], effects.friction)
     steps = {"increments": ON_AN_ELLIPSE} if isinstance(load, Fretting) and load.strain_lags else {}
     solver = Solver(**(steps | raw["solver"]))
+    reference = Reference(**raw["reference"])
     if solver.accuracy is not None:
         asked = accuracy.of_scene(load, material(solid, effects.grading), effects.coupling)
-        _choose_mesh(raw, accuracy.choose(solver.accuracy, *asked))
+        _choose_mesh(raw, accuracy.choose(solver.accuracy, *asked, share=accuracy.share_for(reference.kind)))
     return {
         "solid": _in_metres(solid, indenter, load),
         "indenter": indenter,
         "load": load,
         "mesh": Mesh(**raw["mesh"]),
         "solver": solver,
-        "reference": Reference(**raw["reference"]),
+        "reference": reference,
         "effects": effects,
         "output": Output(**raw["output"]),
     }

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 from running import COARSE
-from solving import limit_stepping
+from solving import limit_stepping, of_history
 
 from analytic import PressingWithFriction
 from simulations.api import make_scene
@@ -14,7 +14,7 @@ from simulations.loading import anchors, stopped_points
 from simulations.loading.stepping import LoadStepping
 from simulations.runs import checks, comparison
 from simulations.runs.closed_forms import Springs
-from simulations.runs.comparison import compare, compare_all, compare_state, of_history, relative_l2
+from simulations.runs.comparison import compare, compare_all, compare_state, relative_l2
 from simulations.runs.history import all_states
 from simulations.runs.mesh_free import MeshFree
 from simulations.runs.reference import describe, of_same_physics

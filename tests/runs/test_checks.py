@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from running import coarse_arguments, run_command
-from solving import coarse_simulation, metered, solved
+from solving import coarse_simulation, metered, of_history, solved
 
 from forms.contact import X, Y
 from simulations.fem.load import Load
@@ -17,7 +17,7 @@ from simulations.loading.schedule import LoadStep
 from simulations.output.table import table
 from simulations.runs import checks, report_data
 from simulations.runs.closed_forms import Springs
-from simulations.runs.comparison import _largest, compare_all, compare_state, of_history, off, own_of_number
+from simulations.runs.comparison import _largest, compare_all, compare_state, off, own_of_number
 from simulations.runs.energy import EnergyMeter, worst_defect
 from simulations.runs.mesh_free import MeshFree
 
