@@ -104,7 +104,7 @@ def _curves(axis, entry, widest, values, lines, colour, marker="o"):
     for line, dashes in zip(lines, STYLES):
         if line:
             axis.plot(x, line(x), dashes, color=colour, lw=1)
-    shown = evenly(surface.x / widest, 1.1, DOTS)
+    shown = evenly(surface.x / widest, 1.1, DOTS, values)
     axis.plot(surface.x[shown], values[shown], marker, ms=3, color=colour)
     if lines and lines[0]:
         deviation = np.abs(values - lines[0](surface.x))

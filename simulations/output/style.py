@@ -67,9 +67,16 @@ def spread(states: list, most: int = len(COLOURS)) -> list:
     return [states[i] for i in places]
 
 
-def evenly(x: np.ndarray, reach: float, count: int) -> np.ndarray:
-    """Indices of about ``count`` points among x (n,), evenly spread over |x| < reach whatever the grading."""
-    return np.unique(np.clip(np.searchsorted(x, np.linspace(-reach, reach, count)), 0, len(x) - 1))
+def evenly(x: np.ndarray, reach: float, count: int, values: np.ndarray | float = 0.0) -> np.ndarray:
+    """Indices of about ``count`` points among x (n,), evenly spread over |x| < reach whatever the grading: along the
+    curve of the ``values`` there, drawn as high as it is long on either side, so that a narrow peak has its share.
+    """
+    near = np.flatnonzero((np.abs(x) < reach) & np.isfinite(values))
+    y = np.broadcast_to(values, x.shape)[near]
+    y = y * reach / (np.abs(y).max() or 1.0)
+    along = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x[near]), np.diff(y)))])
+    places = np.searchsorted(along, np.linspace(0.0, along[-1], count))
+    return near[np.unique(np.minimum(places, len(near) - 1))]
 
 
 def left_out(shown: int, states: int) -> str:

@@ -1,7 +1,7 @@
 """Fields of the body: against stresses that share nothing with the finite elements, and read back by other tools."""
 
-import runpy
 import os
+import runpy
 import shutil
 from types import SimpleNamespace
 

@@ -4,6 +4,7 @@ from math import pi
 from types import SimpleNamespace
 
 import matplotlib.pyplot as plt
+import numpy as np
 import pytest
 from pictured import along
 from running import COARSE, coarse_arguments
@@ -12,6 +13,7 @@ from solving import simulated
 from simulations import fretting
 from simulations.output import plots
 from simulations.output.page_words import quantity
+from simulations.output.style import evenly
 from simulations.runs.checks import ChecksFailed
 from simulations.scene import make_scene
 from simulations.scene.solid import modulus_at
@@ -132,3 +134,14 @@ def test_the_unit_of_length_of_a_coated_contact_is_told(tmp_path, drawn):
     assert a == pytest.approx((4 * (1 - 0.3**2) * scene.P * 0.1 / (pi * E)) ** 0.5, rel=1e-5)
     assert a > 1.05 * scene.a0(scene.P)
     assert "constant modulus $E(a)$" in drawn[0].legends[0].get_title().get_text()
+
+
+def test_points_of_a_narrow_peak_and_of_nothing():
+    """Nodes that are graded to one end; the peak's sides are twice as long as the axis below it."""
+    x = 1.2 * np.sinh(np.linspace(-5, 5, 4001)) / np.sinh(5)
+    peak = np.maximum(1 - np.abs(x - 0.5) / 0.02, 0)
+    level, steep = evenly(x, 1.0, 41), evenly(x, 1.0, 41, peak)
+    assert np.diff(x[level]) == pytest.approx(0.05, abs=0.005) and np.abs(x[level]).max() < 1
+    assert (peak[level] > 0).sum() == 1 and (peak[steep] > 0).sum() == pytest.approx(20, abs=1)
+    inside = evenly(x, 1.0, 41, np.where(np.abs(x) < 0.3, 0.0, np.nan))  # as slip has none outside the contact
+    assert len(inside) == 41 and np.abs(x[inside]).max() < 0.3
