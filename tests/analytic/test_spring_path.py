@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq
 
 from analytic import CylinderContact, GradedHalfPlane, PowerProfile, Profile, ProfileContact, SpringPath
+from analytic.load_memory import LoadMemory
 from analytic.special import punch_rigid_factor
 
 MU, P, R = 0.4, 1.5, 2.0
@@ -294,3 +295,14 @@ def test_refusals():
         path.run([(np.inf, 0.0)])
     with pytest.raises(ValueError, match="mu"):
         SpringPath(cylinder(0.3), 0.0)
+
+
+def test_zone_below_the_limit():
+    """By hand: what lies beyond slips, or sticks at the limit; what came last may do neither."""
+    memory = LoadMemory.unloaded(0.5).advanced(1.0, 0.0).advanced(2.0, 0.1)
+    assert memory.below_limit == memory.stick == 2.0
+    slipping = memory.advanced(2.0, 0.4)  # the line of slope mu through (2, 0.4) meets Q = 0.1 (P - 1)
+    assert slipping.below_limit == slipping.stick == pytest.approx(1.25, rel=1e-15)
+    along = slipping.advanced(3.0, 0.9)
+    assert along.below_limit == slipping.below_limit < along.stick == 3.0
+    assert along.advanced(4.0, 0.9).below_limit == 4.0
