@@ -137,7 +137,7 @@ def test_the_unit_of_length_of_a_coated_contact_is_told(tmp_path, drawn):
 
 
 def test_points_of_a_narrow_peak_and_of_nothing():
-    """Nodes that are graded to one end; the peak's sides are twice as long as the axis below it."""
+    """Nodes that are graded to the middle; the peak's sides are twice as long as the axis below it."""
     x = 1.2 * np.sinh(np.linspace(-5, 5, 4001)) / np.sinh(5)
     peak = np.maximum(1 - np.abs(x - 0.5) / 0.02, 0)
     level, steep = evenly(x, 1.0, 41), evenly(x, 1.0, 41, peak)
