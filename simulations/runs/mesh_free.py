@@ -22,6 +22,8 @@ FINER = 2  # load steps of the reference for one of the run: what depends on the
 STEPS_TO_POINT = 8  # load steps from point to point of a path: with fewer the error does not yet fall like the step
 FEWER_NODES = (200, 150)  # with more load steps: their error is then what counts, and a load step costs a fifth
 MANY_STEPS = 48  # load steps a quarter, or to a point of a path, where the error falls more slowly than the load step
+SMALL_GROWTH = 0.005  # of P in a load step with coupling, over the largest P: there points come into contact in stick,
+NODES_AS_P_GROWS = (300, 200)  # and q is off by more than these nodes cost
 FIRST_CONTACT = 4  # times as many of the first load step under friction, which begins with no contact
 STEPS_SINCE_TURN = 24  # in which the distance from the last turn of Q grows tenfold,
 FIRST_SINCE_TURN = 0.1  # and the first of them over the distance of the first load after the turn
@@ -32,10 +34,10 @@ class MeshFree(OfStates):
     """States of the half-plane solver at the load steps of a simulation; NoReference where it fails.
 
     nodes: numbers of nodes, of which the next is tried where one does not converge, then the one that did converge;
-    finer: load steps for one of the simulation, ``steps_for_one`` where not given; tell: called after each. coarser:
-    the same with fewer of both, made if ``estimated``: points that enter contact within a load step keep an error of
-    first order in it, also at constant P where coupling moves the contact. The difference is about the error of this
-    solution.
+    finer: load steps for one of the simulation, ``steps_for_one`` where not given, and more where P grows; tell: called
+    after each. coarser: the same with fewer of both, made if ``estimated``: points that enter contact within a load
+    step keep an error of first order in it, also at constant P where coupling moves the contact. The difference is
+    about the error of this solution.
     since_turn: numbers of load steps that are divided by ``shares_since_turn``, into ``finer`` steps there; all others
     stay one step.
     """
@@ -57,7 +59,8 @@ class MeshFree(OfStates):
         if since_turn:
             shares = shares_since_turn(simulation.schedule, since_turn, self.finer)
         else:
-            shares = equal_shares(simulation.schedule, friction_first, self.finer)
+            small = SMALL_GROWTH * steps_for_one(simulation) / self.finer if grows(simulation) else np.inf
+            shares = equal_shares(simulation.schedule, friction_first, self.finer, small)
         first = FIRST_CONTACT * self.finer if friction_first else 1
         loads, places = refined(simulation.schedule, shares, first)
         failure = None
@@ -118,17 +121,26 @@ def needs_many_steps(simulation: Simulation) -> bool:
     return any(step.angle for step in simulation.schedule) or is_elastic and "coupling" in simulation.effects
 
 
-def equal_shares(schedule: Sequence[LoadStep], friction_first: bool, finer: int) -> list[np.ndarray]:
-    """Shares of the way to each load after the first, at which load steps end: ``finer`` equal ones.
+def grows(simulation: Simulation) -> bool:
+    """Whether P grows with coupling after the normal stage, while friction acts."""
+    steps = pairwise(simulation.schedule) if "coupling" in simulation.effects else ()
+    return any(step.P > before.P for before, step in steps if step.branch != "normal")
+
+
+def equal_shares(
+    schedule: Sequence[LoadStep], friction_first: bool, finer: int, small: float = np.inf
+) -> list[np.ndarray]:
+    """Shares of the way to each load after the first, at which load steps end: ``finer`` equal ones, or so many that
+    P grows by no more than ``small`` in one, over its largest value.
 
     Frictionless pressing, which leaves no memory, stays one step. So does the short step before a turn of an ellipse:
     in parts of it points move by round-off, and the stick zone falls apart.
     """
-    shares = []
+    shares, most = [], small * max(step.P for step in schedule)
     for before, step in pairwise(schedule):
         moves = friction_first or any(step.load[1:]) or any(before.load[1:])
         is_short = step.state in ("A", "E") and 0 < step.angle < 1.01 * SHORT
-        steps = finer if moves and not is_short else 1
+        steps = max(finer, ceil((step.P - before.P) / most)) if moves and not is_short else 1
         shares.append(np.arange(1, steps + 1) / steps)
     return shares
 

@@ -170,7 +170,7 @@ def test_half_plane_solver_is_tried_with_fewer_nodes(monkeypatch):
 def test_more_load_steps_of_the_reference_are_kept_only_where_they_help(monkeypatch, error, kept):
     """Its q is off by 25 % with two for one, where 10 % are allowed: so by four times as many on fewer nodes."""
     scene, errors = SimpleNamespace(effects=SimpleNamespace(elastic_slip=None)), {2: 0.25, 8: error}
-    simulation = SimpleNamespace(history=None, schedule=[], scene=scene)
+    simulation = SimpleNamespace(history=None, schedule=[], scene=scene, effects=())
 
     def solution(simulation, tell, nodes=mesh_free.NODES, finer=2, estimated=True):
         assert nodes == {2: mesh_free.NODES, 8: mesh_free.FEWER_NODES}[finer]
