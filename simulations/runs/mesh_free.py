@@ -22,8 +22,9 @@ FINER = 2  # load steps of the reference for one of the run: what depends on the
 STEPS_TO_POINT = 8  # load steps from point to point of a path: with fewer the error does not yet fall like the step
 FEWER_NODES = (200, 150)  # with more load steps: their error is then what counts, and a load step costs a fifth
 MANY_STEPS = 48  # load steps a quarter, or to a point of a path, where the error falls more slowly than the load step
-SMALL_GROWTH = 0.005  # of P in a load step with coupling, over the largest P: there points come into contact in stick,
-NODES_AS_P_GROWS = (300, 200)  # and q is off by more than these nodes cost
+SMALL_GROWTH = 0.005  # of P in a load step with coupling, over the largest P: there points come into contact in stick
+FIRST_GROWTH = 0.06  # where P begins to grow, load steps are as many as for so much, at least: q is small there
+NODES_AS_P_GROWS = (300, 200)  # more would take longer and help less than load steps do
 FIRST_CONTACT = 4  # times as many of the first load step under friction, which begins with no contact
 STEPS_SINCE_TURN = 24  # in which the distance from the last turn of Q grows tenfold,
 FIRST_SINCE_TURN = 0.1  # and the first of them over the distance of the first load after the turn
@@ -136,11 +137,15 @@ def equal_shares(
     Frictionless pressing, which leaves no memory, stays one step. So does the short step before a turn of an ellipse:
     in parts of it points move by round-off, and the stick zone falls apart.
     """
-    shares, most = [], small * max(step.P for step in schedule)
+    shares, largest, grew = [], max(step.P for step in schedule), False
     for before, step in pairwise(schedule):
         moves = friction_first or any(step.load[1:]) or any(before.load[1:])
         is_short = step.state in ("A", "E") and 0 < step.angle < 1.01 * SHORT
-        steps = max(finer, ceil((step.P - before.P) / most)) if moves and not is_short else 1
+        growth = (step.P - before.P) / largest if moves else 0.0
+        if growth > 0 and not grew:
+            growth = max(growth, FIRST_GROWTH)
+        grew = growth > 0
+        steps = max(finer, ceil(growth / small)) if moves and not is_short else 1
         shares.append(np.arange(1, steps + 1) / steps)
     return shares
 

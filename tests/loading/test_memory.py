@@ -12,11 +12,11 @@ from analytic import PressingWithFriction
 from simulations.api import make_scene
 from simulations.loading import anchors, stopped_points
 from simulations.loading.stepping import LoadStepping
-from simulations.runs import checks, comparison, mesh_free
+from simulations.runs import checks, comparison
 from simulations.runs.closed_forms import Springs
 from simulations.runs.comparison import compare, compare_all, compare_state, relative_l2
 from simulations.runs.history import all_states
-from simulations.runs.mesh_free import MeshFree, equal_shares
+from simulations.runs.mesh_free import MeshFree
 from simulations.runs.reference import describe, of_same_physics
 from simulations.runs.simulation import Simulation
 
@@ -174,27 +174,6 @@ def test_the_mesh_free_solver_states_its_error_where_an_edge_sticks():
     assert isinstance(finer, MeshFree) and finer.finer > reference.finer
     assert compare_all(few.history, finer).own["traction_l2"] < own["traction_l2"] / 2
     assert f"{finer.finer} load steps for ten times the distance" in describe(finer, few)
-
-
-@pytest.mark.slow
-def test_load_steps_of_the_reference_are_small_where_P_grows_with_coupling(monkeypatch):
-    """There points come into contact in stick, so that each load step leaves an error; where P falls none is needed."""
-    path = LOOP | {"solid.nu": 0.3, "load.points": [[1e6, 0.0], [8e5, 1e5], [1e6, -1e5]]}
-    for key in ("load.P", "load.amplitude"):
-        del path[key]
-    simulation = run(path, 3)
-    steps = [len(parts) for parts in equal_shares(simulation.schedule, False, 3, small=0.005)]
-    assert steps == [3, 3, 3, 14, 14, 14]  # to 0.2 of P in three steps, by 0.005 each
-    fine, small = (MeshFree(simulation, nodes=(150,), finer=finer) for finer in (9, 3))
-    monkeypatch.setattr(mesh_free, "SMALL_GROWTH", np.inf)
-    equal = MeshFree(simulation, nodes=(150,), finer=3)
-
-    def worst(other, entries):
-        return max(comparison.apart(entry, other, fine)["traction_l2"] for entry in entries)
-
-    states = all_states(simulation.history)
-    assert worst(equal, states[:3]) < 5e-3
-    assert worst(small, states) < 1e-2 < worst(equal, states) / 3
 
 
 @pytest.mark.slow
