@@ -112,6 +112,13 @@ def steps_for_one(simulation: Simulation) -> int:
     return max(FINER, ceil(least / scene.solver.increments))
 
 
+def nodes_for(simulation: Simulation) -> tuple[int, ...]:
+    """Numbers of nodes of the reference, the fewer the more load steps it takes."""
+    if needs_many_steps(simulation):
+        return FEWER_NODES
+    return NODES_AS_P_GROWS if grows(simulation) else NODES
+
+
 def needs_many_steps(simulation: Simulation) -> bool:
     """Whether an error falls more slowly than the load step: the difference from half of the steps is less than it.
 
@@ -132,7 +139,7 @@ def equal_shares(
     schedule: Sequence[LoadStep], friction_first: bool, finer: int, small: float = np.inf
 ) -> list[np.ndarray]:
     """Shares of the way to each load after the first, at which load steps end: ``finer`` equal ones, or so many that
-    P grows by no more than ``small`` in one, over its largest value.
+    P grows by no more than ``small`` in one, over its largest value; where it begins to, as many as for FIRST_GROWTH.
 
     Frictionless pressing, which leaves no memory, stays one step. So does the short step before a turn of an ellipse:
     in parts of it points move by round-off, and the stick zone falls apart.

@@ -12,8 +12,7 @@ from .checks import ERRORS
 from .closed_forms import Springs, StretchedForm
 from .comparison import NoReference, Reference, compare_all
 from .coupled_loop import grades, serves
-from .mesh_free import FEWER_NODES, FINER, NODES, NODES_AS_P_GROWS, MeshFree, Tell
-from .mesh_free import grows, needs_many_steps, steps_for_one
+from .mesh_free import FEWER_NODES, FINER, MeshFree, Tell, nodes_for, steps_for_one
 from .simulation import Simulation
 from .step_free import StepFree
 
@@ -88,8 +87,7 @@ def _mesh_free(simulation, tell) -> MeshFree:
     """With its error, which mostly falls like its load steps: with more of these, should it be larger than a run's may
     be and they help.
     """
-    nodes = FEWER_NODES if needs_many_steps(simulation) else NODES_AS_P_GROWS if grows(simulation) else NODES
-    reference = MeshFree(simulation, tell, nodes, estimated=True)
+    reference = MeshFree(simulation, tell, nodes_for(simulation), estimated=True)
     excess = _excess(simulation, reference)
     if not excess > 1.0:
         return reference
